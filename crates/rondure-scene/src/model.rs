@@ -1,0 +1,238 @@
+//! The typed scene: what a scene file says, with everything looked up, checked and built.
+//!
+//! This tree is the border between reading and rendering. Lengths are in scene units, angles in
+//! radians, colours linear Rec. 709 (sRGB primaries, no transfer curve).
+
+use std::sync::Arc;
+
+use rondure::{Instance, Vec3};
+
+/// A linear colour or a radiance: red, green, blue.
+pub type Color = [f64; 3];
+
+/// A scene, ready to be rendered.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// The picture's size and quality.
+    pub film: Film,
+    /// The point of view.
+    pub camera: Camera,
+    /// What rays see that hit nothing, and the light that comes from there.
+    pub sky: Sky,
+    /// The lights beside the sky.
+    pub lights: Vec<Light>,
+    /// The things in the scene.
+    pub objects: Vec<Object>,
+    /// The materials that the objects refer to.
+    pub materials: Vec<Material>,
+}
+
+/// The picture's size and quality.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Film {
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+    /// Samples in each pixel.
+    pub spp: u32,
+    /// How often light may be reflected or refracted on its way to the eye.
+    pub depth: u32,
+    /// Bits in each channel of the PNG: 8 or 16.
+    pub bits: u8,
+    /// The factor on the light before it is turned into a picture.
+    pub exposure: f64,
+}
+
+/// The point of view.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Camera {
+    /// Where the eye is.
+    pub eye: Vec3,
+    /// The point in the middle of the picture.
+    pub look_at: Vec3,
+    /// The direction that is up in the picture; not parallel to the view.
+    pub up: Vec3,
+    /// How space becomes a picture.
+    pub projection: Projection,
+    /// The lens, if things out of focus are to blur.
+    pub lens: Option<Lens>,
+}
+
+/// How space becomes a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// From one point.
+    Perspective {
+        /// The vertical field of view, in radians.
+        fov: f64,
+    },
+    /// Along parallel lines.
+    Orthographic {
+        /// The height of the picture in scene units.
+        height: f64,
+    },
+}
+
+/// A thin lens.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lens {
+    /// The radius of the aperture.
+    pub radius: f64,
+    /// The distance from the eye to the plane in focus.
+    pub focus: f64,
+}
+
+/// The light from all round.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Sky {
+    /// The same from every direction.
+    Constant {
+        /// The radiance.
+        color: Color,
+    },
+    /// From the horizon to the zenith, by the sine of the height; below the horizon the third.
+    Gradient {
+        /// The radiance straight up.
+        zenith: Color,
+        /// The radiance at the horizon.
+        horizon: Color,
+        /// The radiance straight down.
+        ground: Color,
+    },
+}
+
+/// A source of light. `color` times `intensity` has been multiplied out.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Light {
+    /// A point that shines evenly in all directions.
+    Point {
+        /// Where it is.
+        position: Vec3,
+        /// The radiant intensity: at distance d it lights a surface facing it with intensity / d^2.
+        intensity: Color,
+    },
+    /// A light so far away that its rays are parallel, or nearly.
+    Sun {
+        /// The unit direction towards the sun.
+        direction: Vec3,
+        /// The irradiance of a surface facing it.
+        irradiance: Color,
+        /// The angular radius of the disk, in radians; 0 gives hard shadows.
+        angular_radius: f64,
+    },
+    /// A disk that shines to the side of its normal, seen by the camera and in mirrors.
+    Disk {
+        /// The middle of the disk.
+        center: Vec3,
+        /// The unit direction to which it shines.
+        normal: Vec3,
+        /// The radius.
+        radius: f64,
+        /// The radiance.
+        radiance: Color,
+    },
+    /// A sphere that shines, seen by the camera and in mirrors.
+    Sphere {
+        /// The middle of the sphere.
+        center: Vec3,
+        /// The radius.
+        radius: f64,
+        /// The radiance.
+        radiance: Color,
+    },
+}
+
+/// A thing in the scene.
+#[derive(Clone, Debug)]
+pub struct Object {
+    /// The name, for messages.
+    pub name: String,
+    /// What shape it has.
+    pub shape: Shape,
+    /// The index of its material in [`Scene::materials`].
+    pub material: usize,
+}
+
+/// What shape a thing has.
+#[derive(Clone, Debug)]
+pub enum Shape {
+    /// A turned object.
+    Turned(Instance),
+    /// An endless plane.
+    Plane {
+        /// A point on it.
+        point: Vec3,
+        /// The unit normal.
+        normal: Vec3,
+    },
+    /// A flat disk.
+    Disk {
+        /// The middle.
+        center: Vec3,
+        /// The unit normal.
+        normal: Vec3,
+        /// The radius.
+        radius: f64,
+    },
+    /// A parallelogram: center + a edges[0] + b edges[1], with a and b from -1/2 to 1/2.
+    Rectangle {
+        /// The middle.
+        center: Vec3,
+        /// The two edges, from corner to corner.
+        edges: [Vec3; 2],
+    },
+    /// A sphere.
+    Sphere {
+        /// The middle.
+        center: Vec3,
+        /// The radius.
+        radius: f64,
+    },
+}
+
+/// What a thing is made of.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Material {
+    /// Scatters light evenly (Lambert).
+    Matte {
+        /// The reflectance.
+        color: Paint,
+    },
+    /// A coloured base under a clear coat that has highlights and reflects: china, lacquer, plastic.
+    Glossy {
+        /// The reflectance of the base.
+        color: Paint,
+        /// The strength of the highlight and of the reflection, from 0 to 1.
+        specular: f64,
+        /// The width of the highlight, from 0 (a mirror) to 1.
+        roughness: f64,
+    },
+    /// A perfect mirror.
+    Mirror {
+        /// The reflectance when looked at straight on.
+        color: Paint,
+    },
+    /// Clear glass.
+    Glass {
+        /// What is left of the light after one scene unit inside.
+        color: Color,
+        /// The index of refraction.
+        ior: f64,
+    },
+}
+
+/// A colour over a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Paint {
+    /// The same everywhere.
+    Solid(Color),
+    /// Squares of two colours: over the plane coordinates of planes, disks and rectangles in scene
+    /// units from the object's centre; over (u, v) of turned objects and spheres.
+    Checker {
+        /// The two colours.
+        colors: [Color; 2],
+        /// The edge of a square: scene units, or fractions of u and v.
+        size: [f64; 2],
+    },
+}

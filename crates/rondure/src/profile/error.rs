@@ -1,0 +1,119 @@
+//! What can be wrong with a profile, and where.
+
+use super::Point;
+use core::{fmt, ops::Range};
+
+/// Why a profile was refused.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ProfileError {
+    /// What is wrong.
+    pub kind: ProfileErrorKind,
+    /// The segment at fault, counted from 0 over all subpaths; `None` if it is not about one.
+    pub segment: Option<usize>,
+    /// The bytes of the path data at fault, if the profile was read from text.
+    pub span: Option<Range<usize>>,
+}
+
+/// What is wrong with a profile.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum ProfileErrorKind {
+    /// There is no segment at all.
+    Empty,
+    /// The path data is not well-formed.
+    Syntax {
+        /// What was found, and what was expected.
+        message: String,
+    },
+    /// A coordinate is infinite or NaN.
+    NotFinite {
+        /// The point with that coordinate.
+        point: Point,
+    },
+    /// The curve leaves the half plane r >= 0.
+    NegativeRadius {
+        /// The point of the segment that lies farthest beyond the axis.
+        point: Point,
+        /// Its parameter on the segment, from 0 to 1.
+        s: f64,
+    },
+    /// The profile is a single point, however many segments it has.
+    NoExtent {
+        /// That point.
+        point: Point,
+    },
+    /// The coordinates are so large or so small that their squares leave the range of an f64.
+    Magnitude {
+        /// The largest absolute value of a coordinate.
+        largest: f64,
+    },
+    /// An arc has a radius that is negative, infinite or NaN.
+    ArcRadius {
+        /// That radius.
+        radius: f64,
+    },
+    /// Too few points for a curve.
+    TooFewPoints {
+        /// How many there are.
+        found: usize,
+    },
+}
+
+impl fmt::Display for ProfileError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(segment) = self.segment {
+            write!(f, "segment {segment}: ")?;
+        }
+        match &self.kind {
+            ProfileErrorKind::Empty => write!(f, "the profile has no segments"),
+            ProfileErrorKind::Syntax { message } => f.write_str(message),
+            ProfileErrorKind::NotFinite { point } => {
+                write!(
+                    f,
+                    "the point (r = {}, z = {}) is not finite",
+                    point.r, point.z
+                )
+            }
+            ProfileErrorKind::NegativeRadius { point, s } => write!(
+                f,
+                "the curve crosses the axis: it reaches r = {} at z = {} (s = {s}); r must not be \
+                 negative",
+                point.r, point.z
+            ),
+            ProfileErrorKind::NoExtent { point } => write!(
+                f,
+                "the whole profile is the single point (r = {}, z = {})",
+                point.r, point.z
+            ),
+            ProfileErrorKind::Magnitude { largest } => write!(
+                f,
+                "the largest coordinate is {largest:e}; sizes from 1e-100 to 1e100 can be handled"
+            ),
+            ProfileErrorKind::ArcRadius { radius } => {
+                write!(
+                    f,
+                    "an arc's radius is {radius}; it must be finite and not negative"
+                )
+            }
+            ProfileErrorKind::TooFewPoints { found } => {
+                write!(
+                    f,
+                    "a curve needs at least 2 points; there {} {found}",
+                    if *found == 1 { "is" } else { "are" }
+                )
+            }
+        }
+    }
+}
+
+impl core::error::Error for ProfileError {}
+
+impl From<ProfileErrorKind> for ProfileError {
+    fn from(kind: ProfileErrorKind) -> Self {
+        Self {
+            kind,
+            segment: None,
+            span: None,
+        }
+    }
+}
