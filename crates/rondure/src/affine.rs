@@ -19,17 +19,12 @@ impl Default for Affine {
 
 impl Affine {
     /// The map that leaves everything where it is.
-    pub const IDENTITY: Self = Self {
-        columns: [Vec3::X, Vec3::Y, Vec3::Z],
-        translation: Vec3::ZERO,
-    };
+    pub const IDENTITY: Self =
+        Self { columns: [Vec3::X, Vec3::Y, Vec3::Z], translation: Vec3::ZERO };
 
     /// A shift.
     pub const fn translate(by: Vec3) -> Self {
-        Self {
-            columns: Self::IDENTITY.columns,
-            translation: by,
-        }
+        Self { columns: Self::IDENTITY.columns, translation: by }
     }
 
     /// A stretch along each axis; a negative factor mirrors.
@@ -50,10 +45,7 @@ impl Affine {
         let axis = axis.normalized();
         let (sin, cos) = angle.sin_cos();
         let turn = |v: Vec3| v * cos + axis.cross(v) * sin + axis * (axis.dot(v) * (1.0 - cos));
-        Self {
-            columns: [turn(Vec3::X), turn(Vec3::Y), turn(Vec3::Z)],
-            translation: Vec3::ZERO,
-        }
+        Self { columns: [turn(Vec3::X), turn(Vec3::Y), turn(Vec3::Z)], translation: Vec3::ZERO }
     }
 
     /// A turn that carries the z axis to the direction `axis` the shortest way; where that is
@@ -102,12 +94,8 @@ impl Affine {
     pub fn inverse_rows(&self) -> Option<[Vec3; 3]> {
         let [x, y, z] = self.columns;
         let determinant = self.determinant();
-        let rows = [
-            cross_exactly(y, z),
-            cross_exactly(z, x),
-            cross_exactly(x, y),
-        ]
-        .map(|row| row / determinant);
+        let rows = [cross_exactly(y, z), cross_exactly(z, x), cross_exactly(x, y)]
+            .map(|row| row / determinant);
         let flat = determinant == 0.0;
         (!flat && self.translation.is_finite() && rows.iter().all(|r| r.is_finite()))
             .then_some(rows)
@@ -140,13 +128,9 @@ mod tests {
 
     #[test]
     fn align_z_reaches_every_direction() {
-        for axis in [
-            Vec3::Z,
-            -Vec3::Z,
-            Vec3::X,
-            Vec3::new(1e-9, 0.0, -1.0),
-            Vec3::new(1.0, 2.0, 3.0),
-        ] {
+        for axis in
+            [Vec3::Z, -Vec3::Z, Vec3::X, Vec3::new(1e-9, 0.0, -1.0), Vec3::new(1.0, 2.0, 3.0)]
+        {
             let map = Affine::align_z(axis);
             assert!((map.vector(Vec3::Z) - axis.normalized()).max_abs() < 1e-15);
             assert!((map.determinant() - 1.0).abs() < 1e-14);
@@ -155,15 +139,7 @@ mod tests {
 
     #[test]
     fn flat_maps_have_no_inverse() {
-        assert!(
-            Affine::scale(Vec3::new(1.0, 0.0, 1.0))
-                .inverse_rows()
-                .is_none()
-        );
-        assert!(
-            Affine::scale(Vec3::splat(f64::NAN))
-                .inverse_rows()
-                .is_none()
-        );
+        assert!(Affine::scale(Vec3::new(1.0, 0.0, 1.0)).inverse_rows().is_none());
+        assert!(Affine::scale(Vec3::splat(f64::NAN)).inverse_rows().is_none());
     }
 }

@@ -13,27 +13,19 @@ pub struct Bounds {
 
 impl Bounds {
     /// The box with nothing in it: what a union starts from.
-    pub const EMPTY: Self = Self {
-        min: Vec3::splat(f64::INFINITY),
-        max: Vec3::splat(f64::NEG_INFINITY),
-    };
+    pub const EMPTY: Self =
+        Self { min: Vec3::splat(f64::INFINITY), max: Vec3::splat(f64::NEG_INFINITY) };
 
     /// The smallest box round both.
     #[inline]
     pub fn union(&self, other: &Self) -> Self {
-        Self {
-            min: self.min.min(other.min),
-            max: self.max.max(other.max),
-        }
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
     /// The box grown to hold `point`.
     #[inline]
     pub fn with_point(&self, point: Vec3) -> Self {
-        Self {
-            min: self.min.min(point),
-            max: self.max.max(point),
-        }
+        Self { min: self.min.min(point), max: self.max.max(point) }
     }
 
     /// The middle of the box.

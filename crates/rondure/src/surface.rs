@@ -54,9 +54,7 @@ pub struct Surface {
 impl Surface {
     /// Builds the engine for a profile.
     pub fn new(profile: &Profile) -> Self {
-        Self {
-            profile: profile.clone(),
-        }
+        Self { profile: profile.clone() }
     }
 
     /// The profile that the surface was built from.

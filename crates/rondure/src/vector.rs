@@ -78,21 +78,13 @@ impl Vec3 {
     /// The smaller of the two, coordinate by coordinate.
     #[inline]
     pub fn min(self, other: Self) -> Self {
-        Self::new(
-            self.x.min(other.x),
-            self.y.min(other.y),
-            self.z.min(other.z),
-        )
+        Self::new(self.x.min(other.x), self.y.min(other.y), self.z.min(other.z))
     }
 
     /// The larger of the two, coordinate by coordinate.
     #[inline]
     pub fn max(self, other: Self) -> Self {
-        Self::new(
-            self.x.max(other.x),
-            self.y.max(other.y),
-            self.z.max(other.z),
-        )
+        Self::new(self.x.max(other.x), self.y.max(other.y), self.z.max(other.z))
     }
 
     /// The absolute values of the coordinates.
@@ -207,33 +199,19 @@ impl Ray {
     /// The half line from `origin`: t from 0 to infinity.
     #[inline]
     pub const fn new(origin: Vec3, direction: Vec3) -> Self {
-        Self {
-            origin,
-            direction,
-            t_min: 0.0,
-            t_max: f64::INFINITY,
-        }
+        Self { origin, direction, t_min: 0.0, t_max: f64::INFINITY }
     }
 
     /// The whole line: t from minus infinity to infinity.
     #[inline]
     pub const fn line(origin: Vec3, direction: Vec3) -> Self {
-        Self {
-            origin,
-            direction,
-            t_min: f64::NEG_INFINITY,
-            t_max: f64::INFINITY,
-        }
+        Self { origin, direction, t_min: f64::NEG_INFINITY, t_max: f64::INFINITY }
     }
 
     /// The same ray, cut to `t_min <= t <= t_max`.
     #[inline]
     pub const fn with_range(self, t_min: f64, t_max: f64) -> Self {
-        Self {
-            t_min,
-            t_max,
-            ..self
-        }
+        Self { t_min, t_max, ..self }
     }
 
     /// The point `origin + t direction`.

@@ -79,9 +79,7 @@ impl ProfileBuilder {
         if let Some(&radius) = radii.iter().find(|x| !x.is_finite() || **x < 0.0) {
             self.fail(ProfileErrorKind::ArcRadius { radius });
         } else if !rotation.is_finite() {
-            self.fail(ProfileErrorKind::NotFinite {
-                point: Point::new(rotation, rotation),
-            });
+            self.fail(ProfileErrorKind::NotFinite { point: Point::new(rotation, rotation) });
         }
         match Arc::from_endpoints(self.end, end, radii, rotation, large, sweep) {
             Some(arc) => self.segment(Segment::Arc(arc)),
@@ -118,9 +116,7 @@ impl ProfileBuilder {
         if let Some(error) = self.error {
             return Err(error);
         }
-        let profile = Profile {
-            subpaths: self.subpaths,
-        };
+        let profile = Profile { subpaths: self.subpaths };
         check(&profile).map_err(|mut error| {
             error.span = error.segment.and_then(|i| self.spans[i].clone());
             error
@@ -133,9 +129,9 @@ impl ProfileBuilder {
         self.span = Some(span);
     }
 
-    /// The current point, and the first point of the current subpath.
-    pub(super) fn position(&self) -> (Point, Point) {
-        (self.end, self.start)
+    /// The current point.
+    pub(super) fn position(&self) -> Point {
+        self.end
     }
 
     fn segment(mut self, segment: Segment) -> Self {
@@ -157,11 +153,7 @@ impl ProfileBuilder {
     fn fail(&mut self, kind: ProfileErrorKind) {
         let segment = Some(self.spans.len());
         let span = self.span.clone();
-        self.error.get_or_insert(ProfileError {
-            kind,
-            segment,
-            span,
-        });
+        self.error.get_or_insert(ProfileError { kind, segment, span });
     }
 }
 
@@ -170,11 +162,7 @@ const LARGEST: f64 = 1e100;
 const SMALLEST: f64 = 1e-100;
 
 fn check(profile: &Profile) -> Result<(), ProfileError> {
-    let at = |i: usize, kind| ProfileError {
-        kind,
-        segment: Some(i),
-        span: None,
-    };
+    let at = |i: usize, kind| ProfileError { kind, segment: Some(i), span: None };
     for (i, segment) in profile.segments().enumerate() {
         if let Some(&point) = controls(segment).iter().find(|p| !p.is_finite()) {
             return Err(at(i, ProfileErrorKind::NotFinite { point }));
@@ -188,14 +176,9 @@ fn check(profile: &Profile) -> Result<(), ProfileError> {
     if profile.segments().all(Segment::is_point)
         && profile.subpaths.iter().all(|s| s.start() == first.start())
     {
-        return Err(ProfileErrorKind::NoExtent {
-            point: first.start(),
-        }
-        .into());
+        return Err(ProfileErrorKind::NoExtent { point: first.start() }.into());
     }
-    let extent = all().fold(0.0_f64, |m, p| {
-        m.max((p - first.start()).length()).max(p.r.abs())
-    });
+    let extent = all().fold(0.0_f64, |m, p| m.max((p - first.start()).length()).max(p.r.abs()));
     for size in [largest, extent] {
         if !(SMALLEST..=LARGEST).contains(&size) {
             return Err(ProfileErrorKind::Magnitude { largest: size }.into());
@@ -218,10 +201,7 @@ fn radius_rounding(segment: &Segment) -> f64 {
     if ends < 0.0 {
         return 0.0;
     }
-    gamma(8)
-        * controls(segment)
-            .iter()
-            .fold(0.0_f64, |m, p| m.max(p.r.abs()))
+    gamma(8) * controls(segment).iter().fold(0.0_f64, |m, p| m.max(p.r.abs()))
 }
 
 /// The point of a segment with the smallest r, and its parameter.
@@ -243,12 +223,7 @@ fn controls(segment: &Segment) -> Vec<Point> {
         Segment::Cubic(p) => p.to_vec(),
         Segment::Arc(a) => {
             let reach = a.radii[0].max(a.radii[1]);
-            vec![
-                a.start,
-                a.end,
-                a.center,
-                a.center + Point::new(reach, reach),
-            ]
+            vec![a.start, a.end, a.center, a.center + Point::new(reach, reach)]
         }
     }
 }

@@ -68,11 +68,7 @@ impl fmt::Display for ProfileError {
             ProfileErrorKind::Empty => write!(f, "the profile has no segments"),
             ProfileErrorKind::Syntax { message } => f.write_str(message),
             ProfileErrorKind::NotFinite { point } => {
-                write!(
-                    f,
-                    "the point (r = {}, z = {}) is not finite",
-                    point.r, point.z
-                )
+                write!(f, "the point (r = {}, z = {}) is not finite", point.r, point.z)
             }
             ProfileErrorKind::NegativeRadius { point, s } => write!(
                 f,
@@ -90,10 +86,7 @@ impl fmt::Display for ProfileError {
                 "the largest coordinate is {largest:e}; sizes from 1e-100 to 1e100 can be handled"
             ),
             ProfileErrorKind::ArcRadius { radius } => {
-                write!(
-                    f,
-                    "an arc's radius is {radius}; it must be finite and not negative"
-                )
+                write!(f, "an arc's radius is {radius}; it must be finite and not negative")
             }
             ProfileErrorKind::TooFewPoints { found } => {
                 write!(
@@ -110,10 +103,6 @@ impl core::error::Error for ProfileError {}
 
 impl From<ProfileErrorKind> for ProfileError {
     fn from(kind: ProfileErrorKind) -> Self {
-        Self {
-            kind,
-            segment: None,
-            span: None,
-        }
+        Self { kind, segment: None, span: None }
     }
 }

@@ -6,8 +6,6 @@
 
 use core::ops::Range;
 
-use svgtypes::stream::Stream;
-
 use super::{Point, Profile, ProfileBuilder, ProfileError, ProfileErrorKind};
 
 impl Profile {
@@ -19,19 +17,18 @@ impl Profile {
     /// [`ProfileError`], with the bytes of the text at fault, if the text is no path data, or the
     /// profile would fail [`ProfileBuilder::build`].
     pub fn from_path_data(text: &str) -> Result<Self, ProfileError> {
-        let mut parser = Parser {
-            stream: Stream::from(text),
-            text,
-            builder: Self::builder(),
-        };
+        let mut parser = Parser { text, next: 0, comma: None, builder: Self::builder() };
         parser.path()?;
         parser.builder.build()
     }
 }
 
 struct Parser<'a> {
-    stream: Stream<'a>,
     text: &'a str,
+    /// The byte that comes next.
+    next: usize,
+    /// Where the comma stands that was read last, if nothing but spaces followed it.
+    comma: Option<usize>,
     builder: ProfileBuilder,
 }
 
@@ -47,21 +44,21 @@ impl Parser<'_> {
     fn path(&mut self) -> Result<(), ProfileError> {
         let mut smooth = Smooth::None;
         let mut first = true;
-        self.stream.skip_spaces();
-        while !self.stream.at_end() {
-            let begin = self.stream.pos();
+        self.skip_spaces();
+        while !self.rest().is_empty() {
+            let begin = self.next;
             let command = self.command(first)?;
             first = false;
             let mut kind = command;
             loop {
-                let item = if kind == command {
-                    begin
-                } else {
-                    self.stream.pos()
-                };
+                let item = if kind == command { begin } else { self.next };
                 smooth = self.segment(kind, item, smooth)?;
-                self.stream.skip_spaces();
+                self.skip_spaces();
                 if kind.eq_ignore_ascii_case(&b'Z') || !self.another_item() {
+                    if let Some(comma) = self.comma.take() {
+                        let message = "no number follows this comma".into();
+                        return Err(syntax(message, comma..comma + 1));
+                    }
                     break;
                 }
                 // Further pairs after a `moveto` are lines (SVG 2, 9.3.3).
@@ -75,8 +72,24 @@ impl Parser<'_> {
         Ok(())
     }
 
+    fn rest(&self) -> &str {
+        &self.text[self.next..]
+    }
+
+    fn skip_spaces(&mut self) {
+        let rest = self.rest();
+        self.next += rest.len() - rest.trim_ascii_start().len();
+    }
+
+    /// The optional comma after a number or a flag.
+    fn skip_comma(&mut self) {
+        self.skip_spaces();
+        self.comma = self.rest().starts_with(',').then_some(self.next);
+        self.next += usize::from(self.comma.is_some());
+    }
+
     fn command(&mut self, first: bool) -> Result<u8, ProfileError> {
-        let begin = self.stream.pos();
+        let begin = self.next;
         let rest = &self.text[begin..];
         let found = rest.chars().next().unwrap_or(' ');
         let span = begin..begin + found.len_utf8();
@@ -88,32 +101,21 @@ impl Parser<'_> {
             return Err(syntax(message, begin..begin + word(rest).len()));
         }
         if first && !found.eq_ignore_ascii_case(&'M') {
-            return Err(syntax(
-                format!("a path begins with M, not with `{found}`"),
-                span,
-            ));
+            return Err(syntax(format!("a path begins with M, not with `{found}`"), span));
         }
-        self.stream.advance(1);
-        self.stream.skip_spaces();
+        self.next += 1;
+        self.skip_spaces();
         Ok(found as u8)
     }
 
     /// Whether the next thing is a number, so that the command repeats.
     fn another_item(&self) -> bool {
-        let next = self
-            .stream
-            .slice_tail()
-            .trim_start_matches(|c: char| c == ',' || c.is_ascii_whitespace());
-        next.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | '.'))
+        self.rest().starts_with(|c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | '.'))
     }
 
     fn segment(&mut self, kind: u8, begin: usize, smooth: Smooth) -> Result<Smooth, ProfileError> {
-        let (at, start) = self.builder.position();
-        let origin = if kind.is_ascii_lowercase() {
-            at
-        } else {
-            Point::default()
-        };
+        let at = self.builder.position();
+        let origin = if kind.is_ascii_lowercase() { at } else { Point::default() };
         let mut next_smooth = Smooth::None;
         let draw: Box<dyn FnOnce(ProfileBuilder) -> ProfileBuilder> =
             match kind.to_ascii_uppercase() {
@@ -161,48 +163,47 @@ impl Parser<'_> {
                     let p = self.point(kind, origin)?;
                     Box::new(move |b| b.arc_to(radii, rotation, large, sweep, p.r, p.z))
                 }
-                _ => {
-                    // A drawing that came back to its start by relative steps closes without a
-                    // segment as long as rounding.
-                    let _ = start;
-                    Box::new(ProfileBuilder::close)
-                }
+                _ => Box::new(ProfileBuilder::close),
             };
-        let end = self.text[begin..self.stream.pos()].trim_end().len() + begin;
+        let end = self.text[begin..self.next].trim_end().len() + begin;
         self.builder.at(begin..end);
         self.builder = draw(core::mem::take(&mut self.builder));
         Ok(next_smooth)
     }
 
     fn point(&mut self, command: u8, origin: Point) -> Result<Point, ProfileError> {
-        Ok(Point::new(
-            self.number(command)? + origin.r,
-            self.number(command)? + origin.z,
-        ))
+        Ok(Point::new(self.number(command)? + origin.r, self.number(command)? + origin.z))
     }
 
     fn number(&mut self, command: u8) -> Result<f64, ProfileError> {
-        self.stream.skip_spaces();
-        let begin = self.stream.pos();
-        self.stream.parse_list_number().map_err(|_| {
-            let rest = &self.text[begin..];
-            let found = word(rest);
+        self.skip_spaces();
+        let begin = self.next;
+        let length = number_length(self.rest());
+        if length == 0 {
+            let found = word(self.rest());
             let command = command as char;
             let message = if found.is_empty() {
                 format!("the path ends in the middle of `{command}`; a number is missing")
-            } else if found.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c)) {
-                format!("`{found}` is no finite number")
             } else {
                 format!("expected a number for `{command}`, found `{found}`")
             };
-            syntax(message, begin..begin + found.len().max(1).min(rest.len()))
-        })
+            return Err(syntax(message, begin..begin + found.len()));
+        }
+        self.next += length;
+        let literal = &self.text[begin..self.next];
+        match literal.parse() {
+            Ok(number) if f64::is_finite(number) => {
+                self.skip_comma();
+                Ok(number)
+            }
+            _ => Err(syntax(format!("`{literal}` is not a finite number"), begin..self.next)),
+        }
     }
 
     fn flag(&mut self) -> Result<bool, ProfileError> {
-        self.stream.skip_spaces();
-        let begin = self.stream.pos();
-        let flag = match self.stream.slice_tail().as_bytes().first() {
+        self.skip_spaces();
+        let begin = self.next;
+        let flag = match self.rest().as_bytes().first() {
             Some(b'0') => false,
             Some(b'1') => true,
             _ => {
@@ -211,13 +212,36 @@ impl Parser<'_> {
                 return Err(syntax(message, begin..begin + found.len()));
             }
         };
-        self.stream.advance(1);
-        self.stream.skip_spaces();
-        if self.stream.slice_tail().starts_with(',') {
-            self.stream.advance(1);
-        }
+        self.next += 1;
+        self.skip_comma();
         Ok(flag)
     }
+}
+
+/// The length of the number at the beginning of the text, by the grammar of SVG (which allows `.5`,
+/// `5.` and `1e3`, and ends a number where the next one begins: `1-2`, `.5.5`); 0 if there is none.
+fn number_length(text: &str) -> usize {
+    let bytes = text.as_bytes();
+    let digits = |from: usize| bytes[from..].iter().take_while(|b| b.is_ascii_digit()).count();
+    let mut end = usize::from(matches!(bytes.first(), Some(b'+' | b'-')));
+    let whole = digits(end);
+    end += whole;
+    let mut fraction = 0;
+    if bytes.get(end) == Some(&b'.') {
+        fraction = digits(end + 1);
+        end += 1 + fraction;
+    }
+    if whole + fraction == 0 {
+        return 0;
+    }
+    if matches!(bytes.get(end), Some(b'e' | b'E')) {
+        let sign = usize::from(matches!(bytes.get(end + 1), Some(b'+' | b'-')));
+        let exponent = digits((end + 1 + sign).min(bytes.len()));
+        if exponent > 0 {
+            end += 1 + sign + exponent;
+        }
+    }
+    end
 }
 
 /// What stands at the beginning of the text, up to the next space or comma: at most 24 characters.
@@ -231,9 +255,5 @@ fn word(text: &str) -> &str {
 }
 
 fn syntax(message: String, span: Range<usize>) -> ProfileError {
-    ProfileError {
-        kind: ProfileErrorKind::Syntax { message },
-        segment: None,
-        span: Some(span),
-    }
+    ProfileError { kind: ProfileErrorKind::Syntax { message }, segment: None, span: Some(span) }
 }

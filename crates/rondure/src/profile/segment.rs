@@ -170,17 +170,11 @@ impl Arc {
         if start == end || a == 0.0 || b == 0.0 {
             return None;
         }
-        let (sin, cos) = if a == b {
-            (0.0, 1.0)
-        } else {
-            rotation.sin_cos()
-        };
+        let (sin, cos) = if a == b { (0.0, 1.0) } else { rotation.sin_cos() };
         // Half the chord on the unit circle, to which the inverse of T carries the ellipse.
         let half = (start - end) * 0.5;
-        let chord = Point::new(
-            (cos * half.r + sin * half.z) / a,
-            (cos * half.z - sin * half.r) / b,
-        );
+        let chord =
+            Point::new((cos * half.r + sin * half.z) / a, (cos * half.z - sin * half.r) / b);
         let half_length = chord.length();
         // Decimal coordinates make 1 - half_length wrong by a few units in the last place; the
         // centre would then move by the square root of that.
@@ -190,46 +184,24 @@ impl Arc {
             b *= half_length;
         }
         let side = if large == sweep { 1.0 } else { -1.0 };
-        let height = if is_half {
-            0.0
-        } else {
-            ((1.0 - half_length) * (1.0 + half_length)).sqrt()
-        };
+        let height = if is_half { 0.0 } else { ((1.0 - half_length) * (1.0 + half_length)).sqrt() };
         let middle = start.lerp(end, 0.5);
         // From the middle of the chord to the centre, across the chord, on the unit circle.
-        let (across_r, across_z) = (
-            side * height * chord.z / half_length,
-            -side * height * chord.r / half_length,
-        );
+        let (across_r, across_z) =
+            (side * height * chord.z / half_length, -side * height * chord.r / half_length);
         let center = Point::new(
             middle.r + (cos * (a * across_r) - sin * (b * across_z)),
             middle.z + (sin * (a * across_r) + cos * (b * across_z)),
         );
-        let unit = if is_half {
-            chord * half_length.recip()
-        } else {
-            chord
-        };
+        let unit = if is_half { chord * half_length.recip() } else { chord };
         let start_angle = (unit.z - across_z).atan2(unit.r - across_r);
         let end_angle = (-unit.z - across_z).atan2(-unit.r - across_r);
-        let mut sweep_angle = if is_half {
-            PI
-        } else {
-            (end_angle - start_angle).rem_euclid(TAU)
-        };
+        let mut sweep_angle = if is_half { PI } else { (end_angle - start_angle).rem_euclid(TAU) };
         if !sweep {
             sweep_angle = if is_half { -PI } else { sweep_angle - TAU };
         }
         let rotation = if a == b { 0.0 } else { rotation };
-        Some(Self {
-            start,
-            end,
-            center,
-            radii: [a, b],
-            rotation,
-            start_angle,
-            sweep_angle,
-        })
+        Some(Self { start, end, center, radii: [a, b], rotation, start_angle, sweep_angle })
     }
 
     /// The point at the fraction s of the sweep; exactly `start` and `end` at 0 and 1.
@@ -251,11 +223,7 @@ impl Arc {
 
     /// T (x, y).
     pub(crate) fn conjugate(&self, x: f64, y: f64) -> Point {
-        let (sin, cos) = if self.rotation == 0.0 {
-            (0.0, 1.0)
-        } else {
-            self.rotation.sin_cos()
-        };
+        let (sin, cos) = if self.rotation == 0.0 { (0.0, 1.0) } else { self.rotation.sin_cos() };
         let (x, y) = (self.radii[0] * x, self.radii[1] * y);
         Point::new(cos * x - sin * y, sin * x + cos * y)
     }
@@ -289,14 +257,8 @@ mod tests {
         ] {
             let arc = Arc::from_endpoints(p(1.0, 0.0), p(0.0, 1.0), [1.0, 1.0], 0.0, large, sweep);
             let arc = arc.unwrap();
-            assert!(
-                (arc.center - center).length() < 1e-15,
-                "{large} {sweep} {arc:?}"
-            );
-            assert!(
-                (arc.sweep_angle - sweep_angle).abs() < 1e-15,
-                "{large} {sweep} {arc:?}"
-            );
+            assert!((arc.center - center).length() < 1e-15, "{large} {sweep} {arc:?}");
+            assert!((arc.sweep_angle - sweep_angle).abs() < 1e-15, "{large} {sweep} {arc:?}");
             assert!((arc.point(1e-9) - arc.start).length() < 1e-8);
             assert!((arc.point(1.0 - 1e-9) - arc.end).length() < 1e-8);
         }
