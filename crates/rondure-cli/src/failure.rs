@@ -18,9 +18,9 @@ pub(crate) enum Failure {
 impl Failure {
     /// A failure with one sentence, and another that says what would be right.
     pub(crate) fn new(title: impl Display, help: &str) -> Self {
-        let (title, help) = (title.to_string(), Level::HELP.message(help));
-        let group = Group::with_title(Level::ERROR.primary_title(title)).element(help);
-        Self::Report(renderer().render(&[group]))
+        let title = Group::with_title(Level::ERROR.primary_title(title.to_string()));
+        let help = Group::with_title(Level::HELP.secondary_title(help));
+        Self::Report(renderer().render(&[title, help]))
     }
 
     /// The same failure with a remark at its end.
@@ -42,7 +42,7 @@ impl Failure {
             io::ErrorKind::PermissionDenied => "check the file's permissions",
             _ => "check the disk or the device that it is on",
         };
-        Self::new(format!("cannot read {name}: {}", plain(error)), help)
+        Self::new(format!("cannot read `{name}`: {}", plain(error)), help)
     }
 
     /// A file that cannot be written.
@@ -51,7 +51,7 @@ impl Failure {
             io::ErrorKind::NotFound => "make the folder first, or choose another with -o",
             _ => "choose another place with -o",
         };
-        Self::new(format!("cannot write {}: {}", path.display(), plain(error)), help)
+        Self::new(format!("cannot write `{}`: {}", path.display(), plain(error)), help)
     }
 
     /// Standard output that cannot be written.

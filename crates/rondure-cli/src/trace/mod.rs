@@ -213,7 +213,7 @@ fn open(path: &Path) -> Result<(String, Box<dyn Read + Send>), Failure> {
 
 fn no_header(name: &str) -> Failure {
     Failure::new(
-        format!("{name} is empty"),
+        format!("`{name}` is empty"),
         "the first line must name the columns: ox,oy,oz,dx,dy,dz; each further line is a ray",
     )
 }
@@ -228,7 +228,7 @@ fn unreadable(name: &str, error: &ReadError, line: usize, rays: u64) -> Failure 
     let failure = match error {
         ReadError::Io(error) => Failure::unreadable(name, error),
         ReadError::LongLine => Failure::new(
-            format!("{name}: line {line} is longer than {LONGEST_LINE} bytes"),
+            format!("`{name}`: line {line} is longer than {LONGEST_LINE} bytes"),
             "give a CSV text with one ray on each line",
         ),
     };
