@@ -20,7 +20,7 @@ impl Failure {
     pub(crate) fn new(title: impl Display, help: &str) -> Self {
         let title = Group::with_title(Level::ERROR.primary_title(title.to_string()));
         let help = Group::with_title(Level::HELP.secondary_title(help));
-        Self::Report(renderer().render(&[title, help]))
+        Self::Report(renderer().render(&[title]) + "\n" + &renderer().render(&[help]))
     }
 
     /// The same failure with a remark at its end.

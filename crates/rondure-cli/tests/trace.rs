@@ -89,6 +89,15 @@ fn row_u(row: &Row) -> f64 {
 }
 
 #[test]
+fn a_negative_zero_is_a_zero() {
+    let plus = trace(CYLINDER, &format!("{HEADER}\n5,0,1,-1,0,0\n0.5,0,5,0,0,-1"), "--all");
+    let minus = trace(CYLINDER, &format!("{HEADER}\n5,-0,1,-1,-0,-0\n0.5,-0,5,-0,-0,-1"), "--all");
+    let t = |rows: &[Row]| rows.iter().map(|row| row.t).collect::<Vec<_>>();
+    assert_eq!(t(&plus), [4.0, 6.0, 3.0, 5.0]);
+    assert_eq!(t(&plus), t(&minus));
+}
+
+#[test]
 fn only_the_closest_unless_all_are_wanted() {
     let rays = format!("{HEADER}\n5,0,0,-1,0,0\n5,9,0,-1,0,0\n0,0,0,1,0,0\n");
     let closest = trace(TORUS, &rays, "");
@@ -121,8 +130,8 @@ fn the_range_of_t() {
 
 #[test]
 fn columns_may_stand_in_any_order() {
-    let usual = trace(TORUS, &format!("{HEADER},tmin,tmax\n5,0.1,0.2,-1,0.3,0.4,1,7\n"), "--all");
-    let other = trace(TORUS, "tmax,dz,oy,dx,ox,tmin,dy,oz\n7,0.4,0.1,-1,5,1,0.3,0.2\n", "--all");
+    let usual = trace(TORUS, &format!("{HEADER},tmin,tmax\n5,0.1,0.2,-1,0.03,0.04,1,7\n"), "--all");
+    let other = trace(TORUS, "tmax,dz,oy,dx,ox,tmin,dy,oz\n7,0.04,0.1,-1,5,1,0.03,0.2\n", "--all");
     assert!(!usual.is_empty());
     assert_eq!(usual, other);
 }
@@ -132,7 +141,7 @@ fn what_spreadsheets_write_is_understood() {
     let usual = trace(SPHERE, "ox,oy,oz,dx,dy,dz\n5,0,0.5,-1,0,0\n0,0,0,1,0,0\n", "");
     assert_eq!(usual.len(), 2);
     let quoted = "\u{feff}\"ox\",\"oy\",\"oz\",\"dx\",\"dy\",\"dz\"\r\n\
-                  \"5\", 0, +0.5,-1,0E0,-0\r\n\r\n.0,0.,0,1e0,0,0";
+                  \"5\", 0, +0.5,-1,0E0,0\r\n\r\n.0,0.,0,1e0,0,0";
     let found = trace(SPHERE, quoted, "");
     assert_eq!(usual.len(), found.len());
     for (a, b) in usual.iter().zip(&found) {

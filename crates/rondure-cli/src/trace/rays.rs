@@ -55,6 +55,9 @@ impl Columns {
             return Err(whole_line(line, "the file is not UTF-8 text", help));
         }
         let line = line.strip_prefix(b"\xef\xbb\xbf").unwrap_or(line);
+        if line.trim_ascii().is_empty() {
+            return Err(whole_line(line, "the first line is empty", &expected_header()));
+        }
         let mut meaning = Vec::with_capacity(NAMES.len());
         for (column, (span, field)) in fields(line).enumerate() {
             let fail = |title: String, help: String| {
@@ -68,7 +71,7 @@ impl Columns {
                 return fail(format!("unknown column `{}`", shown(name)), advice(name, line));
             };
             if meaning.contains(&i) {
-                let help = "every column may be there once".into();
+                let help = "name every column once".into();
                 return fail(format!("the column `{name}` is there twice"), help);
             }
             meaning.push(i);
@@ -151,7 +154,7 @@ impl Columns {
 impl LineError {
     fn new(line: &[u8], span: Range<usize>, title: String, label: String, help: String) -> Self {
         /// Enough for any row of numbers; of a line that is something else, the part at fault.
-        const LONGEST: usize = 240;
+        const LONGEST: usize = 80;
         let line = line.trim_ascii_end();
         let (start, end) = if line.len() <= LONGEST {
             (0, line.len())
@@ -236,7 +239,7 @@ fn number(field: &[u8], may_be_infinite: bool) -> Result<f64, (String, String)> 
         return fail(format!("`{}` is not a number", shown(text)));
     };
     if value.is_nan() {
-        return fail(format!("`{}` is no place on a line", shown(text)));
+        return fail("this value must not be NaN".into());
     }
     if value.is_infinite() {
         if text.contains(|c: char| c.is_ascii_digit()) {
