@@ -2,38 +2,50 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::{
+    Args, ValueEnum,
+    builder::{PossibleValuesParser, TypedValueParser},
+};
 use rondure::{Profile, Spline};
+use rondure_scene::{ProfileOptions, Unit, read_profile};
 
-use crate::failure::{Excerpt, Failure, report};
+use crate::failure::Failure;
 
 #[derive(Debug, Args)]
 pub(crate) struct ProfileArgs {
-    /// The profile: path data (.path), a drawing (.svg) or points (.csv)
+    /// The profile: path data (.path or .txt), a drawing (.svg) or points (.csv)
     profile: PathBuf,
 
-    /// SVG: the id of the path, if the drawing has several
-    #[arg(long, value_name = "ID", help_heading = "Profile")]
+    /// SVG: the id of the shape, if the drawing has several
+    #[arg(long, value_name = "ID", help_heading = SHAPE)]
     svg_id: Option<String>,
 
-    /// SVG: where the axis is, as an x in the drawing's units
-    #[arg(
-        long,
-        value_name = "X",
-        default_value_t = 0.0,
-        allow_negative_numbers = true,
-        help_heading = "Profile"
-    )]
-    axis: f64,
+    /// SVG: the x of the axis in the drawing's user units; 0 if not given
+    #[arg(long, value_name = "X", allow_negative_numbers = true, help_heading = SHAPE)]
+    axis: Option<f64>,
 
-    /// SVG: the length of one unit of the drawing
-    #[arg(long, value_name = "F", default_value_t = 1.0, help_heading = "Profile")]
-    scale: f64,
+    /// SVG: the y that becomes z = 0; the bottom of the page if not given
+    #[arg(long, value_name = "Y", allow_negative_numbers = true, help_heading = SHAPE)]
+    base: Option<f64>,
 
-    /// CSV: how the curve runs through the points
-    #[arg(long, value_enum, default_value_t = SplineName::Polyline, help_heading = "Profile")]
-    spline: SplineName,
+    /// SVG: put points that are no farther from the axis than this onto it
+    #[arg(long, value_name = "DISTANCE", help_heading = SHAPE)]
+    snap: Option<f64>,
+
+    /// SVG: the unit in which the profile is measured; the drawing's user units if not given
+    #[arg(long, help_heading = SHAPE, value_parser = unit_parser())]
+    unit: Option<Unit>,
+
+    /// CSV: how the curve runs through the points; polyline if not given
+    #[arg(long, value_name = "KIND", value_enum, help_heading = SHAPE)]
+    spline: Option<SplineName>,
+
+    /// A factor on r and z, after everything else
+    #[arg(long, value_name = "F", allow_negative_numbers = true, help_heading = SHAPE)]
+    scale: Option<f64>,
 }
+
+const SHAPE: &str = "How to read the profile";
 
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
 enum SplineName {
@@ -55,22 +67,23 @@ impl From<SplineName> for Spline {
     }
 }
 
+fn unit_parser() -> impl TypedValueParser<Value = Unit> {
+    PossibleValuesParser::new(Unit::NAMES.map(|(name, _)| name))
+        .try_map(|name| Unit::from_name(&name).ok_or("no such unit"))
+}
+
 impl ProfileArgs {
     /// Reads the profile.
     pub(crate) fn read(&self) -> Result<Profile, Failure> {
-        let name = self.profile.display().to_string();
-        let text = std::fs::read_to_string(&self.profile)
-            .map_err(|error| Failure::unreadable(&name, &error))?;
-        Profile::from_path_data(&text).map_err(|error| {
-            let title = error.to_string();
-            let excerpt = Excerpt {
-                name: &name,
-                line: 1,
-                text: &text,
-                span: error.span.unwrap_or(0..0),
-                label: "",
-            };
-            report(&title, &excerpt, "", None)
-        })
+        let options = ProfileOptions {
+            id: self.svg_id.clone(),
+            axis: self.axis,
+            base: self.base,
+            snap: self.snap,
+            unit: self.unit,
+            scale: self.scale,
+            spline: self.spline.map(Spline::from),
+        };
+        read_profile(&self.profile, &options).map_err(|report| Failure::Report(report.colored()))
     }
 }

@@ -1,7 +1,5 @@
 //! The option `--threads`, which every command that computes has.
 
-use std::num::NonZeroUsize;
-
 use clap::Args;
 
 use crate::failure::Failure;
@@ -9,19 +7,19 @@ use crate::failure::Failure;
 #[derive(Debug, Args)]
 pub(crate) struct Threads {
     /// How many threads to use; all cores if not given
-    #[arg(long, value_name = "N")]
-    threads: Option<NonZeroUsize>,
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
 }
 
 impl Threads {
     /// The number asked for, if one was.
-    pub(crate) fn number(&self) -> Option<NonZeroUsize> {
-        self.threads
+    pub(crate) fn number(&self) -> Option<usize> {
+        self.threads.map(usize::from)
     }
 
     /// That many threads.
     pub(crate) fn pool(&self) -> Result<rayon::ThreadPool, Failure> {
-        let number = self.number().map_or(0, NonZeroUsize::get);
+        let number = self.number().unwrap_or(0);
         rayon::ThreadPoolBuilder::new().num_threads(number).build().map_err(|error| {
             Failure::new(
                 format!("cannot start the threads: {error}"),

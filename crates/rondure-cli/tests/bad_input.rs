@@ -82,3 +82,75 @@ fn files_of_trace() {
     case("unknown option", "trace cone.path --rays rays.csv --al", 2);
     insta::assert_snapshot!(gallery);
 }
+
+#[test]
+fn profiles() {
+    let desk = Desk::new();
+    desk.file("rays.csv", HEADER);
+    let mut gallery = String::new();
+    let mut case = |title: &str, name: &str, options: &str, text: &[u8]| {
+        desk.file(name, text);
+        let arguments = format!("trace {name} --rays rays.csv {options}");
+        show(&mut gallery, &desk, title, arguments.trim_end(), 1);
+    };
+    let svg = |inside: &str| {
+        format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 9 9\">\n{inside}\n</svg>\n"
+        )
+        .into_bytes()
+    };
+    let shapes = "<path id=\"a\" d=\"M 1 1 L 2 2\"/>\n<path id=\"b\" d=\"M 1 1 L 2 3\"/>";
+
+    case("path: empty", "it.path", "", b"");
+    case("path: a point alone", "it.path", "", b"M 1 2");
+    case("path: no extent", "it.path", "", b"M 1 2 L 1 2");
+    case("path: does not begin with M", "it.path", "", b"L 1 2");
+    case("path: unknown command", "it.path", "", b"M 0 0\nL 1 0\nX 1 2");
+    case("path: a coordinate is missing", "it.path", "", b"M 0 0 L 1");
+    case("path: not a number", "it.path", "", b"M 0 0 L 1 one");
+    case("path: NaN", "it.path", "", b"M 0 0 L NaN 1");
+    case("path: number too large", "it.path", "", b"M 0 0 L 1e999 1");
+    case("path: larger than can be squared", "it.path", "", b"M 0 0 L 1e120 1");
+    case("path: flag of an arc", "it.path", "", b"M 0 0 A 1 1 0 2 1 1 1");
+    case("path: point beyond the axis", "it.path", "", b"M 0 0\nL 1 0 L -0.5 1");
+    case("path: curve beyond the axis", "it.path", "", b"M 1 0 C -2 0 -2 1 1 1");
+    case("path: not UTF-8", "it.path", "", b"M 0 0 \xff");
+    case("path: binary", "it.path", "", b"\x7fELF\x02\x01\x01\0\0");
+    case("path: option for drawings", "it.path", "--axis 3", b"M 0 0 L 1 1");
+    case("path: negative scale", "it.path", "--scale -1", b"M 0 0 L 1 1");
+    case("svg: not XML", "it.svg", "", b"M 0 0 L 1 1");
+    case("svg: cut short", "it.svg", "", b"<svg xmlns=\"http://www.w3.org/2000/svg\"><path d=\"M");
+    case("svg: not SVG", "it.svg", "", b"<html></html>");
+    case("svg: no shape", "it.svg", "", &svg(""));
+    case("svg: several shapes", "it.svg", "", &svg(shapes));
+    case("svg: no such shape", "it.svg", "--svg-id c", &svg(shapes));
+    case("svg: path data wrong", "it.svg", "", &svg("<path d=\"M 1 1 L 2\"/>"));
+    case("svg: across the axis", "it.svg", "--axis 1.5", &svg("<path d=\"M 1 1 L 2 2\"/>"));
+    case("svg: axis not finite", "it.svg", "--axis nan", &svg("<path d=\"M 1 1 L 2 2\"/>"));
+    case("csv: not a number", "it.csv", "", b"r,z\n0,0\n1,zwei\n2,2\n");
+    case("csv: one point", "it.csv", "", b"0,0\n");
+    case("csv: three columns", "it.csv", "", b"0,0,0\n1,1,1\n");
+    case("csv: beyond the axis", "it.csv", "--spline natural", b"0,0\n1,0\n-1,1\n");
+    case(
+        "csv: spline beyond the axis",
+        "it.csv",
+        "--spline natural",
+        b"0,0\n9,1\n0,2\n0.1,3\n9,4\n",
+    );
+    case("unknown kind of file", "it.obj", "", b"v 0 0 0\n");
+    case("no kind of file", "it", "", b"M 0 0 L 1 1");
+    insta::assert_snapshot!(gallery);
+}
+
+#[test]
+#[cfg(unix)]
+fn files_that_never_end() {
+    let desk = Desk::new();
+    desk.file("cone.path", CONE).file("rays.csv", HEADER);
+    std::os::unix::fs::symlink("/dev/zero", desk.path("endless.path")).unwrap();
+    let mut gallery = String::new();
+    let mut case = |title: &str, arguments: &str| show(&mut gallery, &desk, title, arguments, 1);
+    case("endless profile", "trace endless.path --rays rays.csv");
+    case("endless rays", "trace cone.path --rays endless.path");
+    insta::assert_snapshot!(gallery);
+}
