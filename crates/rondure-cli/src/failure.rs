@@ -11,9 +11,14 @@ pub(crate) enum Failure {
     Report(String),
     /// Everything has been said already.
     Reported,
+    /// Stopped by Ctrl-C.
+    Interrupted,
     /// Whoever reads our output has read enough, as `| head` does: no failure of ours.
     NobodyReads,
 }
+
+/// The exit code after Ctrl-C, as shells have it: 128 and the number of the signal.
+pub(crate) const INTERRUPTED: u8 = 130;
 
 impl Failure {
     /// A failure with one sentence, and another that says what would be right.
@@ -21,6 +26,15 @@ impl Failure {
         let title = Group::with_title(Level::ERROR.primary_title(title.to_string()));
         let help = Group::with_title(Level::HELP.secondary_title(help));
         Self::Report(renderer().render(&[title]) + "\n" + &renderer().render(&[help]))
+    }
+
+    /// Prints what there is to say.
+    pub(crate) fn tell(&self) {
+        match self {
+            Self::Report(text) => anstream::eprintln!("{text}"),
+            Self::Interrupted => anstream::eprintln!("stopped; nothing has been written"),
+            Self::Reported | Self::NobodyReads => {}
+        }
     }
 
     /// The same failure with a remark at its end.
@@ -112,13 +126,12 @@ pub(crate) fn report(
 
 /// Prints what there is to say, and turns the outcome into the exit code.
 pub(crate) fn exit_code(outcome: Result<(), Failure>) -> ExitCode {
-    match outcome {
-        Ok(()) | Err(Failure::NobodyReads) => ExitCode::SUCCESS,
-        Err(Failure::Reported) => ExitCode::FAILURE,
-        Err(Failure::Report(text)) => {
-            anstream::eprintln!("{text}");
-            ExitCode::FAILURE
-        }
+    let Err(failure) = outcome else { return ExitCode::SUCCESS };
+    failure.tell();
+    match failure {
+        Failure::NobodyReads => ExitCode::SUCCESS,
+        Failure::Interrupted => ExitCode::from(INTERRUPTED),
+        Failure::Report(_) | Failure::Reported => ExitCode::FAILURE,
     }
 }
 

@@ -2,8 +2,12 @@
 //!
 //! One module per subcommand; [`failure`] is how all of them fail.
 
+mod check;
 mod failure;
 mod profile;
+mod progress;
+mod render;
+mod scene;
 mod threads;
 mod trace;
 
@@ -21,6 +25,8 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Render(render::Render),
+    Check(check::Check),
     Trace(trace::Trace),
 }
 
@@ -31,10 +37,13 @@ Examples:
   rondure trace goblet.path --rays rays.csv --all  print every hit of every ray
 
 `rondure help render`, and so on, explains each command.
-Exit codes: 0 all went well, 1 something is wrong with an input or an output, 2 wrong usage.";
+Exit codes: 0 all went well, 1 something is wrong with an input or an output, 2 wrong usage,
+130 stopped by Ctrl-C.";
 
 fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
+        Command::Render(render) => render.run(),
+        Command::Check(check) => check.run(),
         Command::Trace(trace) => trace.run(),
     };
     failure::exit_code(outcome)
