@@ -189,32 +189,19 @@ impl Stretch {
             let s = if inside(a) { a } else { b.clamp(0.0, 1.0) };
             return s0 + (s1 - s0) * s;
         }
-        let (f0, f1) = (f.c[0], f.c[f.degree]);
-        if ray.steep {
-            let secant = s0 + (s1 - s0) * (f0 / (f0 - f1));
-            let f = |s| {
-                let jet = piece.jet(s);
-                let (r, x) = (jet.point.r, ray.x(jet.point.z));
-                let value = ray.form([x, x], [r, r]);
-                (value, 2.0 * (x * ray.slope() * jet.tangent.z - ray.eta * (r * jet.tangent.r)))
-            };
-            bracketed_root(f, self.s, positive, secant)
-        } else {
-            // F = (|X| - h reach)(|X| + h reach): only the first factor vanishes, and it stays
-            // nearly linear where F is nearly a square.
-            let h = ray.eta.sqrt();
-            let g = |x: f64, r: f64| x.abs() - h * ray.reach2(r).max(0.0).sqrt();
-            let (g0, g1) = (g(self.x[0], self.r[0]), g(self.x[3], self.r[3]));
-            let secant = s0 + (s1 - s0) * (g0 / (g0 - g1));
-            let g = |s| {
-                let jet = piece.jet(s);
-                let (r, x) = (jet.point.r, ray.x(jet.point.z));
-                let reach = ray.reach2(r).max(0.0).sqrt();
-                let dx = x.signum() * jet.tangent.z;
-                (x.abs() - h * reach, dx - h * (r * jet.tangent.r / reach))
-            };
-            bracketed_root(g, self.s, positive, secant)
-        }
+        // F is a difference of squares, |X|^2 - h^2 reach^2, and where h is small nearly a square
+        // itself; the difference of the roots of the two is nearly linear, and guesses better.
+        let h = ray.eta.sqrt();
+        let g = |x: f64, r: f64| x.abs() - h * ray.reach2(r).max(0.0).sqrt();
+        let (g0, g1) = (g(self.x[0], self.r[0]), g(self.x[3], self.r[3]));
+        let secant = s0 + (s1 - s0) * (g0 / (g0 - g1));
+        let f = |s| {
+            let jet = piece.jet(s);
+            let (r, x) = (jet.point.r, ray.x(jet.point.z));
+            let value = ray.form([x, x], [r, r]);
+            (value, 2.0 * (x * ray.slope() * jet.tangent.z - ray.eta * (r * jet.tangent.r)))
+        };
+        bracketed_root(f, self.s, positive, secant)
     }
 
     /// The two roots on a straight stretch whose coefficients change sign twice, or none.
