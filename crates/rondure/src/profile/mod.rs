@@ -6,7 +6,7 @@
 
 mod builder;
 mod error;
-mod monotone;
+pub(crate) mod monotone;
 mod path_data;
 mod plane_map;
 mod segment;
