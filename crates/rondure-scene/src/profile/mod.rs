@@ -1,7 +1,7 @@
 //! Profile files: path data, drawings and tables of points, told apart by their extension.
 
-mod path;
-mod points;
+pub(crate) mod path;
+pub(crate) mod points;
 mod svg;
 mod unit;
 
@@ -11,7 +11,6 @@ use rondure::{Profile, ProfileError, ProfileErrorKind, Spline};
 
 use crate::{Diagnostic, Report, file::read_text};
 
-pub(crate) use path::blank_comments;
 pub use unit::Unit;
 
 /// What a profile file is.

@@ -20,7 +20,7 @@ pub(crate) fn parse(text: &str, scale: f64) -> Result<Profile, Diagnostic> {
 
 /// The text with every comment, from `#` to the end of its line, replaced by as many spaces as it
 /// has bytes: all else stays in its place.
-pub(crate) fn blank_comments(text: &str) -> String {
+fn blank_comments(text: &str) -> String {
     let mut blank = String::with_capacity(text.len());
     for line in text.split_inclusive('\n') {
         let end = line.trim_end_matches(['\n', '\r']).len();

@@ -7,36 +7,37 @@ use rondure::{Point, Profile, ProfileErrorKind, Spline};
 use super::explain;
 use crate::Diagnostic;
 
-/// A point and the bytes of its line.
-struct Row {
-    point: Point,
-    span: Range<usize>,
+/// A point and the bytes that it stands in.
+pub(crate) struct Row {
+    pub(crate) point: Point,
+    pub(crate) span: Range<usize>,
 }
 
 pub(super) fn parse(text: &str, spline: Spline, scale: f64) -> Result<Profile, Vec<Diagnostic>> {
-    let rows = read(text)?;
+    through(&read(text)?, spline, scale).map_err(|e| vec![e])
+}
+
+/// The profile through the points of the rows, times `scale`.
+pub(crate) fn through(rows: &[Row], spline: Spline, scale: f64) -> Result<Profile, Diagnostic> {
     let points: Vec<_> = rows.iter().map(|row| row.point * scale).collect();
     Profile::through_points(&points, spline).map_err(|e| {
-        let (mut diagnostic, label) = explain(&e);
-        if let Some(segment) = e.segment {
-            diagnostic = match (segment_rows(&rows, segment), &e.kind) {
-                ([_, to], ProfileErrorKind::NegativeRadius { point, .. })
-                    if point.r == to.point.r * scale =>
-                {
-                    diagnostic.at(to.span.clone(), label)
+        let (diagnostic, label) = explain(&e);
+        let Some(segment) = e.segment else { return diagnostic };
+        let [from, to] = segment_rows(rows, segment);
+        let crosses = matches!(e.kind, ProfileErrorKind::NegativeRadius { .. });
+        match [from, to].into_iter().find(|row| row.point.r < 0.0) {
+            Some(row) if crosses => diagnostic.at(row.span.clone(), label),
+            _ => {
+                let diagnostic = diagnostic.at(from.span.start..to.span.end, label);
+                if !crosses {
+                    return diagnostic;
                 }
-                ([from, to], _) => diagnostic.at(from.span.start..to.span.end, label),
-            };
-            let inside = matches!(e.kind, ProfileErrorKind::NegativeRadius { .. })
-                && rows.iter().all(|row| row.point.r >= 0.0);
-            if inside {
-                diagnostic = diagnostic.help(
-                    "the points are all at r >= 0, but the smooth curve swings beyond the axis; \
-                     give a point twice to make a corner there, or add points",
-                );
+                diagnostic.help(
+                    "the points are at r >= 0, but the smooth curve between them swings beyond the \
+                     axis; give a point twice to make a corner there, or add points",
+                )
             }
         }
-        vec![diagnostic]
     })
 }
 
