@@ -21,7 +21,7 @@
 mod affine;
 mod arc_length;
 mod bounds;
-mod engine;
+pub mod engine;
 mod frame;
 mod instance;
 mod interaction;
@@ -37,6 +37,7 @@ mod vector;
 
 pub use affine::Affine;
 pub use bounds::Bounds;
+pub use engine::{EngineOptions, Method};
 pub use instance::Instance;
 pub use interaction::Interaction;
 pub use profile::{Point, Profile, ProfileError, ProfileErrorKind, Segment, Spline};

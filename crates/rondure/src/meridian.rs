@@ -116,6 +116,13 @@ impl Meridian {
         x * x + self.eta * (r * r) + self.kappa
     }
 
+    /// The coefficients of rho^2 = a t^2 + 2 b t + c.
+    #[inline]
+    pub(crate) fn squared_distance(&self) -> (f64, f64, f64) {
+        let (speed, offset) = (self.speed, self.offset);
+        (speed * speed, speed * offset, offset * offset + self.delta2)
+    }
+
     /// The ray parameter at a point of the profile that lies on the meridian; `above` tells on which
     /// side of the axis' closest point a shallow ray is: X >= 0, or X < 0.
     ///

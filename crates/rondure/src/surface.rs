@@ -5,7 +5,7 @@
 //! ```
 
 use crate::arc_length::arc_length;
-use crate::engine::ShellTree;
+use crate::engine::{Engine, EngineOptions, Method, Polyline, Statistics, TreeNode};
 use crate::frame::{Frame, LocalRay, largest_stretch};
 use crate::interaction::{Interaction, interaction};
 use crate::meridian::Meridian;
@@ -36,7 +36,9 @@ pub struct Hit {
 pub struct Surface {
     profile: Profile,
     frame: Frame,
-    tree: ShellTree,
+    engine: Engine,
+    /// Where frusta come from, if the engine works on them.
+    polyline: Option<Polyline>,
     /// The pieces in drawing order, lowered by `center_z`.
     pub(crate) pieces: Vec<Piece>,
     /// What belongs to each piece but is of no use to the search.
@@ -67,16 +69,34 @@ pub(crate) struct Detail {
 const HALVINGS: u32 = 1;
 
 impl Surface {
-    /// Builds the engine for a profile.
+    /// Builds the exact engine for a profile.
     pub fn new(profile: &Profile) -> Self {
+        Self::with_engine(profile, &EngineOptions::default())
+    }
+
+    /// Builds an engine of one's choice for a profile.
+    ///
+    /// All but the exact one replace the profile's curves by a polyline of about
+    /// [`samples`](EngineOptions::samples) points, the same for all: each stretch on which neither r
+    /// nor z turns gets its share by arc length and is sampled evenly in its parameter; its ends
+    /// belong to the polyline always. Hits lie on the frusta that the polyline sweeps. Their normals
+    /// are those of the curves at the same parameters, so that point and normal both come
+    /// nearer to the exact ones with the square of the number of points.
+    pub fn with_engine(profile: &Profile, options: &EngineOptions) -> Self {
+        let exact = options.method == Method::Exact;
         let mut pieces = Vec::new();
         let mut details = Vec::new();
         let mut segment = 0;
         for (subpath, sense) in profile.subpaths().iter().zip(outward_senses(profile)) {
             for curve in subpath.segments() {
-                let whole = piece::cut(curve).into_iter().flat_map(refine);
                 let before = pieces.len();
-                pieces.extend(whole);
+                for piece in piece::cut(curve) {
+                    if exact {
+                        pieces.extend(refine(piece));
+                    } else {
+                        pieces.push(piece);
+                    }
+                }
                 let detail = Detail { segment, length_before: 0.0, sense };
                 details.extend(core::iter::repeat_n(detail, pieces.len() - before));
                 segment += 1;
@@ -93,15 +113,32 @@ impl Surface {
         for piece in &mut pieces {
             *piece = piece.lowered(center_z);
         }
+        let mut polyline = None;
+        if !exact {
+            let (sources, frusta) = Polyline::sample(pieces, options.samples);
+            polyline = Some(sources);
+            details = frusta.iter().map(|(i, _)| details[*i]).collect();
+            pieces = frusta.into_iter().map(|(_, frustum)| frustum).collect();
+        }
         let mut length = 0.0;
         for (detail, piece) in details.iter_mut().zip(&pieces) {
             detail.length_before = length;
             length += arc_length(piece, 1.0);
         }
+        // What lies on the axis sweeps nothing.
+        let swept: Vec<bool> = pieces.iter().map(|p| p.r != [0.0; 4]).collect();
+        if swept.contains(&true) {
+            retain(&mut pieces, &swept);
+            retain(&mut details, &swept);
+            if let Some(polyline) = &mut polyline {
+                retain(&mut polyline.sources, &swept);
+            }
+        }
         Self {
             profile: profile.clone(),
             frame: Frame::unplaced(center_z, radius),
-            tree: ShellTree::new(&pieces, radius),
+            engine: Engine::new(&pieces, radius, options),
+            polyline,
             pieces,
             details,
             center_z,
@@ -120,6 +157,39 @@ impl Surface {
     /// The number of pieces that the profile was cut into.
     pub fn piece_count(&self) -> usize {
         self.pieces.len()
+    }
+
+    /// The points at which the pieces begin and end, in drawing order. Where a piece does not begin
+    /// where the one before it ends, a new chain begins.
+    pub fn piece_ends(&self) -> impl Iterator<Item = [Point; 2]> + '_ {
+        let raised = |p: Point| Point::new(p.r, p.z + self.center_z);
+        self.pieces.iter().map(move |piece| [raised(piece.start()), raised(piece.end())])
+    }
+
+    /// The number of nodes in the engine's tree.
+    pub fn node_count(&self) -> usize {
+        self.engine.node_count()
+    }
+
+    /// The engine's tree, in depth-first order, made anew at every call.
+    pub fn tree(&self) -> Vec<TreeNode> {
+        self.engine.view(&self.pieces, self.center_z)
+    }
+
+    /// Where a ray is inside the outer and outside the inner wall of a node of [`tree`](Self::tree),
+    /// between its two planes: none, one or two intervals of the ray's parameter.
+    pub fn intersection_intervals(&self, ray: &Ray, node: usize) -> Vec<[f64; 2]> {
+        let Some(local) = self.frame.enter(ray) else { return Vec::new() };
+        let meridian = Meridian::new(local.origin, local.direction);
+        let intervals = self.engine.intervals(node, &meridian, local.range);
+        intervals.into_iter().map(|interval| interval.map(|t| local.world_t(t))).collect()
+    }
+
+    /// The work done since the surface was built; `None` unless it is [counted].
+    ///
+    /// [counted]: EngineOptions::counted
+    pub fn statistics(&self) -> Option<Statistics> {
+        self.engine.statistics()
     }
 
     /// The index of the profile's segment that a hit lies on, counted over all subpaths.
@@ -210,7 +280,7 @@ impl Surface {
         let meridian = Meridian::new(local.origin, local.direction);
         let mut closest: Option<Hit> = None;
         let mut end = local.range[1];
-        self.tree.walk(&meridian, local.range, |piece| {
+        self.engine.walk(&meridian, local.range, |piece| {
             self.hits_on(piece, ray, &local, &meridian, |hit, t| {
                 let order = |h: &Hit| (h.t, h.piece);
                 if closest.is_none_or(|best| order(&hit) < order(&best)) {
@@ -228,7 +298,7 @@ impl Surface {
         let Some(local) = frame.enter(ray) else { return false };
         let meridian = Meridian::new(local.origin, local.direction);
         let mut end = local.range[1];
-        self.tree.walk(&meridian, local.range, |piece| {
+        self.engine.walk(&meridian, local.range, |piece| {
             self.hits_on(piece, ray, &local, &meridian, |_, _| end = f64::NEG_INFINITY);
             end
         });
@@ -239,10 +309,22 @@ impl Surface {
         hits.clear();
         let Some(local) = frame.enter(ray) else { return };
         let meridian = Meridian::new(local.origin, local.direction);
-        self.tree.walk(&meridian, local.range, |piece| {
+        self.engine.walk(&meridian, local.range, |piece| {
             self.hits_on(piece, ray, &local, &meridian, |hit, _| hits.push(hit));
             local.range[1]
         });
+        hits.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.piece.cmp(&b.piece)));
+    }
+
+    /// All hits, from all pieces, without any shell: what every engine must agree with.
+    #[cfg(test)]
+    pub(crate) fn all_by_brute_force(&self, ray: &Ray, hits: &mut Vec<Hit>) {
+        hits.clear();
+        let Some(local) = self.frame.enter(ray) else { return };
+        let meridian = Meridian::new(local.origin, local.direction);
+        for piece in 0..self.pieces.len() as u32 {
+            self.hits_on(piece, ray, &local, &meridian, |hit, _| hits.push(hit));
+        }
         hits.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.piece.cmp(&b.piece)));
     }
 
@@ -265,6 +347,12 @@ impl Surface {
     }
 }
 
+/// Keeps those items whose flag is set.
+fn retain<T>(items: &mut Vec<T>, flags: &[bool]) {
+    let mut flags = flags.iter();
+    items.retain(|_| flags.next() == Some(&true));
+}
+
 /// Halves a curved piece for the leaves of the tree.
 fn refine(piece: Piece) -> Vec<Piece> {
     let mut parts = vec![piece];
@@ -283,7 +371,10 @@ impl Surface {
     pub(crate) fn profile_at(&self, hit: &Hit) -> (Point, Point) {
         let piece = &self.pieces[hit.piece as usize];
         let jet = piece.jet(hit.s);
-        let mut tangent = jet.tangent;
+        let mut tangent = match &self.polyline {
+            Some(polyline) => polyline.tangent(hit.piece as usize, hit.s),
+            None => jet.tangent,
+        };
         if tangent == Point::default() {
             // A handle of length zero: the curve sets out towards the rest of itself.
             tangent = piece.end() - piece.start();
@@ -299,13 +390,7 @@ mod tests {
     /// The hits of a ray on every piece, without any shell.
     fn brute_force(surface: &Surface, ray: &Ray) -> Vec<Hit> {
         let mut hits = Vec::new();
-        if let Some(local) = surface.frame.enter(ray) {
-            let meridian = Meridian::new(local.origin, local.direction);
-            for piece in 0..surface.pieces.len() as u32 {
-                surface.hits_on(piece, ray, &local, &meridian, |hit, _| hits.push(hit));
-            }
-        }
-        hits.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.piece.cmp(&b.piece)));
+        surface.all_by_brute_force(ray, &mut hits);
         hits
     }
 

@@ -1,42 +1,18 @@
-//! The paper's engine: a binary tree of monotone intervals with a hybrid shell in every node.
-//!
-//! Grouping nodes join the monotone intervals of the profile towards the root; below a monotone
-//! interval, refinement nodes halve it until one piece is left (paper, sections 3.3, 4.1 and 4.2).
-//! Nodes lie in one array in depth-first order: the first child of a node is the next node.
+//! The paper's tree: grouping nodes join the monotone intervals of the profile towards the root; below
+//! a monotone interval, refinement nodes halve it (paper, sections 3.3, 4.1 and 4.2).
 
-use arrayvec::ArrayVec;
+use core::ops::Range;
 
-use crate::meridian::Meridian;
+use super::tree::{Leaf, Order, Tree};
 use crate::piece::Piece;
-use crate::shell::Shell;
-
-/// The tree over the pieces of a profile.
-#[derive(Clone, Debug)]
-pub(crate) struct ShellTree {
-    nodes: Vec<Node>,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Node {
-    shell: Shell,
-    link: Link,
-}
-
-/// What hangs below a node.
-#[derive(Clone, Copy, Debug)]
-enum Link {
-    /// The second child; the first is the next node.
-    Children { second: u32 },
-    /// The piece of a leaf.
-    Piece(u32),
-}
+use crate::shell::{Hybrid, Shell};
 
 /// In which directions r and z run along a stretch; a coordinate that stays still runs in neither,
 /// and fits both.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Direction {
-    r: Option<bool>,
-    z: Option<bool>,
+pub(crate) struct Direction {
+    pub(crate) r: Option<bool>,
+    pub(crate) z: Option<bool>,
 }
 
 impl Direction {
@@ -55,8 +31,15 @@ impl Direction {
     }
 }
 
+/// The common direction of connected pieces; `None` if r or z turns, or they are not connected.
+pub(crate) fn direction(pieces: &[Piece]) -> Option<Direction> {
+    let connected = pieces.windows(2).all(|pair| pair[0].end() == pair[1].start());
+    let join = |all: Direction, piece| all.join(Direction::of(piece));
+    connected.then(|| pieces.iter().try_fold(Direction::default(), join))?
+}
+
 /// The monotone intervals of consecutive pieces, as ranges of indices.
-fn monotone_intervals(pieces: &[Piece]) -> Vec<core::ops::Range<usize>> {
+pub(crate) fn monotone_intervals(pieces: &[Piece]) -> Vec<Range<usize>> {
     let mut intervals = Vec::new();
     let mut begin = 0;
     let mut direction = Direction::default();
@@ -78,101 +61,73 @@ fn monotone_intervals(pieces: &[Piece]) -> Vec<core::ops::Range<usize>> {
     intervals
 }
 
-/// Deep enough for a tree over 2^32 intervals of 2^32 pieces.
-const DEEPEST: usize = 64;
+/// What a node of the tree is, for the choice of its shell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Role {
+    Inner,
+    Leaf,
+}
 
-impl ShellTree {
-    /// Builds the tree. `pieces` must not be empty; `radius` is that of the sphere round the surface.
-    pub(crate) fn new(pieces: &[Piece], radius: f64) -> Self {
-        let mut tree = Self { nodes: Vec::with_capacity(2 * pieces.len()) };
-        tree.group(pieces, &monotone_intervals(pieces), radius);
-        tree
-    }
+/// The tree of the exact engine: leaves of one piece each.
+pub(crate) fn exact(pieces: &[Piece], radius: f64) -> Tree<Hybrid> {
+    build(pieces, u32::MAX, |part, _| Hybrid::least_area(part, radius, 1.0))
+}
 
+/// Builds the tree over pieces, of which there must be some, with up to 2^`halvings` leaves in each
+/// monotone interval.
+pub(crate) fn build<S: Shell>(
+    pieces: &[Piece],
+    halvings: u32,
+    shell: impl Fn(&[Piece], Role) -> S,
+) -> Tree<S> {
+    let mut tree = Tree { nodes: Vec::new() };
+    Builder { tree: &mut tree, pieces, halvings, shell }.group(&monotone_intervals(pieces));
+    tree
+}
+
+struct Builder<'a, S, F> {
+    tree: &'a mut Tree<S>,
+    pieces: &'a [Piece],
+    halvings: u32,
+    shell: F,
+}
+
+impl<S: Shell, F: Fn(&[Piece], Role) -> S> Builder<'_, S, F> {
     /// A grouping node over consecutive monotone intervals.
-    fn group(&mut self, pieces: &[Piece], intervals: &[core::ops::Range<usize>], radius: f64) {
+    fn group(&mut self, intervals: &[Range<usize>]) {
         if let [interval] = intervals {
-            return self.refine(pieces, interval.clone(), radius);
+            return self.refine(interval.clone(), self.halvings);
         }
         let (first, second) = intervals.split_at(intervals.len() / 2);
         let covered = intervals[0].start..intervals[intervals.len() - 1].end;
-        let node = self.inner(Shell::hybrid(&pieces[covered], radius));
-        self.group(pieces, first, radius);
-        self.begin_second(node);
-        self.group(pieces, second, radius);
+        let node = self.tree.begin((self.shell)(&self.pieces[covered], Role::Inner));
+        self.group(first);
+        self.tree.begin_second(node);
+        self.group(second);
     }
 
     /// A refinement node, or a leaf, over a part of one monotone interval.
-    fn refine(&mut self, pieces: &[Piece], part: core::ops::Range<usize>, radius: f64) {
-        let shell = Shell::hybrid(&pieces[part.clone()], radius);
-        if part.len() == 1 {
-            self.nodes.push(Node { shell, link: Link::Piece(part.start as u32) });
-            return;
+    fn refine(&mut self, part: Range<usize>, halvings: u32) {
+        let pieces = &self.pieces[part.clone()];
+        if part.len() == 1 || halvings == 0 {
+            return self.tree.leaf((self.shell)(pieces, Role::Leaf), leaf(self.pieces, part));
         }
         let middle = part.start + part.len() / 2;
-        let node = self.inner(shell);
-        self.refine(pieces, part.start..middle, radius);
-        self.begin_second(node);
-        self.refine(pieces, middle..part.end, radius);
+        let node = self.tree.begin((self.shell)(pieces, Role::Inner));
+        self.refine(part.start..middle, halvings - 1);
+        self.tree.begin_second(node);
+        self.refine(middle..part.end, halvings - 1);
     }
+}
 
-    fn inner(&mut self, shell: Shell) -> usize {
-        self.nodes.push(Node { shell, link: Link::Children { second: 0 } });
-        self.nodes.len() - 1
-    }
-
-    fn begin_second(&mut self, node: usize) {
-        self.nodes[node].link = Link::Children { second: self.nodes.len() as u32 };
-    }
-
-    /// Visits the leaves whose shells the ray meets between the parameters `range`, near ones first.
-    ///
-    /// `visit` is given the piece and returns up to which parameter the search goes on: the nearest
-    /// hit so far, say, or minus infinity to stop.
-    #[inline]
-    pub(crate) fn walk(&self, ray: &Meridian, range: [f64; 2], mut visit: impl FnMut(u32) -> f64) {
-        let [_, mut end] = range;
-        let mut waiting = ArrayVec::<(u32, [f64; 2]), DEEPEST>::new();
-        let Some(mut stretch) = self.nodes[0].shell.meet(ray, range) else { return };
-        let mut node = 0_u32;
-        loop {
-            match self.nodes[node as usize].link {
-                Link::Piece(piece) => end = end.min(visit(piece)),
-                Link::Children { second } => {
-                    let first = node + 1;
-                    let meet = |n: u32| {
-                        self.nodes[n as usize].shell.meet(ray, [stretch[0], stretch[1].min(end)])
-                    };
-                    match (meet(first), meet(second)) {
-                        (Some(a), Some(b)) => {
-                            let (near, far) = if b[0] < a[0] {
-                                ((second, b), (first, a))
-                            } else {
-                                ((first, a), (second, b))
-                            };
-                            waiting.push(far);
-                            (node, stretch) = near;
-                            continue;
-                        }
-                        (Some(a), None) => {
-                            (node, stretch) = (first, a);
-                            continue;
-                        }
-                        (None, Some(b)) => {
-                            (node, stretch) = (second, b);
-                            continue;
-                        }
-                        (None, None) => {}
-                    }
-                }
-            }
-            loop {
-                let Some(next) = waiting.pop() else { return };
-                (node, stretch) = next;
-                if stretch[0] <= end {
-                    break;
-                }
-            }
-        }
-    }
+/// A leaf over a part of one monotone interval.
+pub(crate) fn leaf(pieces: &[Piece], part: Range<usize>) -> Leaf {
+    let across = pieces[part.end - 1].end() - pieces[part.start].start();
+    let order = match (across.z.abs() >= across.r.abs(), across.z >= 0.0, across.r >= 0.0) {
+        (true, true, _) => Order::ZRising,
+        (true, false, _) => Order::ZFalling,
+        (false, _, true) => Order::RRising,
+        (false, _, false) => Order::RFalling,
+    };
+    Leaf { first: part.start as u32, count: part.len() as u32, order }
 }
