@@ -1,5 +1,7 @@
 //! What is wrong with bad input, word for word. Every file in `tests/bad` is refused.
 
+#![allow(clippy::expect_used, reason = "a test that fails may stop")]
+
 use std::{error::Error, fs, path::Path};
 
 use rondure_scene::{
@@ -113,4 +115,29 @@ fn colors_are_only_in_the_colored_text() {
     let report = parse_scene("<scene>", "x = 1", Path::new("")).expect_err("good");
     assert!(!report.plain().contains('\x1b'));
     assert!(report.colored().contains('\x1b'));
+}
+
+/// Cuts and overwrites good profiles everywhere: nothing panics.
+#[test]
+fn damaged_profiles() -> Result<(), Box<dyn Error>> {
+    for (name, format) in [
+        ("goblet.svg", ProfileFormat::Svg),
+        ("vase.csv", ProfileFormat::Csv),
+        ("bowl.path", ProfileFormat::PathData),
+    ] {
+        let text = fs::read_to_string(Path::new("tests/good").join(name))?;
+        let options = ProfileOptions {
+            id: (format == ProfileFormat::Svg).then(|| "goblet".into()),
+            ..Default::default()
+        };
+        for i in 0..text.len() {
+            for put in ["", "\"", "<", "&", "\u{e9}", "\0", "-9", "e", ","] {
+                let damaged = format!("{}{put}{}", &text[..i], &text[i + 1..]);
+                if let Err(report) = parse_profile(name, &damaged, format, &options) {
+                    assert!(report.plain().starts_with("error"));
+                }
+            }
+        }
+    }
+    Ok(())
 }
