@@ -1,6 +1,6 @@
 //! What is wrong with bad input, word for word. Every file in `tests/bad` is refused.
 
-#![allow(clippy::expect_used, reason = "a test that fails may stop")]
+#![allow(clippy::expect_used, clippy::panic, reason = "a test that fails may stop")]
 
 use std::{error::Error, fs, path::Path};
 

@@ -1,6 +1,6 @@
 //! Good profile files, and maps of drawings.
 
-#![allow(clippy::expect_used, reason = "a test that fails may stop")]
+#![allow(clippy::expect_used, clippy::panic, reason = "a test that fails may stop")]
 
 use std::path::Path;
 

@@ -1,6 +1,6 @@
 //! Good scenes, down to their numbers.
 
-#![allow(clippy::expect_used, reason = "a test that fails may stop")]
+#![allow(clippy::expect_used, clippy::panic, reason = "a test that fails may stop")]
 
 use std::{fs, path::Path, sync::Arc};
 
