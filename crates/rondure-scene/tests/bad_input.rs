@@ -85,8 +85,7 @@ fn options() {
 
 #[test]
 fn swinging_spline() {
-    let options =
-        ProfileOptions { spline: Some(rondure::Spline::Natural), ..Default::default() };
+    let options = ProfileOptions { spline: Some(rondure::Spline::Natural), ..Default::default() };
     let text = "r,z\n# a narrow neck\n1,0\n0.5,0.1\n0.01,1\n0.01,1.1\n1,2\n";
     insta::assert_snapshot!("swinging-spline", options_error(ProfileFormat::Csv, text, options));
 }
@@ -94,7 +93,8 @@ fn swinging_spline() {
 #[test]
 fn many_errors_are_counted() {
     let text = "x,1\n".repeat(1000);
-    let report = options_error(ProfileFormat::Csv, &text.replacen("x,1", "1,1", 1), Default::default());
+    let report =
+        options_error(ProfileFormat::Csv, &text.replacen("x,1", "1,1", 1), Default::default());
     assert_eq!(report.errors(), 999);
     assert!(report.to_string().ends_with("... and 959 more"));
 }
