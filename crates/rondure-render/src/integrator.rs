@@ -18,7 +18,7 @@ use crate::{
     light::Incoming,
     sampler::{Key, Sample},
     warp::{self, Frame},
-    world::{Leave, Role, World},
+    world::{Role, World},
 };
 
 /// The least weight of a path that follows both reflection and refraction.
@@ -316,7 +316,7 @@ impl Tracer<'_> {
         // Rounding may turn a grazing direction to the wrong side, by as little as it is off.
         let off = direction.dot(side);
         let direction = if off < 0.0 { direction - side * (2.0 * off) } else { direction };
-        let ray = place.surface.leave(direction);
+        let ray = place.surface.spawn(direction);
         self.radiance(&ray, next) * weight
     }
 
@@ -356,7 +356,7 @@ impl Tracer<'_> {
             if always.is_black() && free.is_black() {
                 continue;
             }
-            let ray = place.surface.leave(incoming.direction).with_range(0.0, incoming.distance);
+            let ray = place.surface.spawn(incoming.direction).with_range(0.0, incoming.distance);
             self.statistics.shadow_rays += 1;
             let passed = self.world.transmittance(&ray);
             if passed == Rgb::WHITE {
@@ -381,6 +381,6 @@ impl Tracer<'_> {
             return Rgb::BLACK;
         }
         self.statistics.shadow_rays += 1;
-        light * self.world.transmittance(&place.surface.leave(direction))
+        light * self.world.transmittance(&place.surface.spawn(direction))
     }
 }

@@ -3,7 +3,7 @@
 //! Three trees: one over all that the eye can see, one over what blocks light, one over clear
 //! glass, through which shadow rays pass. Planes have no box and are tested one by one.
 
-use rondure::{Hit, Interaction, Ray, Vec3};
+use rondure::{Hit, Interaction, Ray};
 use rondure_scene::{Light, Scene};
 
 use crate::{
@@ -217,7 +217,7 @@ impl World {
                 passed *= 1.0 - fresnel::sheet(reflectance);
             }
             let range = ray.t_max - contact.hit.t;
-            ray = interaction.leave(ray.direction).with_range(0.0, range);
+            ray = interaction.spawn(ray.direction).with_range(0.0, range);
             travelled = at;
         }
         Rgb::BLACK
@@ -242,30 +242,4 @@ enum Kind {
     Opaque,
     Clear,
     Lamp,
-}
-
-/// Leaving a surface.
-pub(crate) trait Leave {
-    /// The ray that leaves in this direction, starting clear of the surface.
-    fn leave(&self, direction: Vec3) -> Ray;
-}
-
-impl Leave for Interaction {
-    #[inline]
-    fn leave(&self, direction: Vec3) -> Ray {
-        let side = self.error.copysign(direction.dot(self.normal));
-        let away = |p: f64, offset: f64| {
-            let moved = p + offset;
-            if offset > 0.0 {
-                moved.next_up()
-            } else if offset < 0.0 {
-                moved.next_down()
-            } else {
-                moved
-            }
-        };
-        let (p, offset) = (self.point, self.normal * side);
-        let origin = Vec3::new(away(p.x, offset.x), away(p.y, offset.y), away(p.z, offset.z));
-        Ray::new(origin, direction)
-    }
 }
