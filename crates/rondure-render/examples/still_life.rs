@@ -62,9 +62,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("vase", turned("vase", [-0.9, 0.6], 1.6)?, 0),
         ("goblet", turned("goblet", [0.15, -0.35], 1.1)?, 2),
         ("pawn", turned("pawn", [-0.45, -0.55], 0.6)?, 3),
-        ("pawn 2", turned("pawn", [0.75, -0.75], 0.5)?, 1),
+        ("pawn 2", turned("pawn", [0.75, -0.8], 0.5)?, 1),
         ("column", turned("column", [1.3, 1.0], 1.9)?, 0),
-        ("ring", turned("torus", [0.75, -0.1], 0.35)?, 4),
+        ("ring", turned("torus", [0.62, 0.1], 0.16)?, 4),
         ("ball", Shape::Sphere { center: Vec3::new(-1.15, -0.45, 0.22), radius: 0.22 }, 2),
         ("table", Shape::Plane { point: Vec3::ZERO, normal: Vec3::Z }, 5),
     ]
