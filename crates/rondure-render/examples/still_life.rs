@@ -52,9 +52,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut sky =
         Sky::Gradient { zenith: [0.25, 0.35, 0.6], horizon: [0.6, 0.6, 0.6], ground: [0.2; 3] };
     if plain {
-        for material in &mut materials {
-            *material = Material::Matte { color: Paint::Solid([0.6, 0.5, 0.4]) };
-        }
+        materials.fill(Material::Matte { color: Paint::Solid([0.6, 0.5, 0.4]) });
         lights = vec![Light::Point { position: Vec3::new(3.0, -3.0, 3.0), intensity: [30.0; 3] }];
         sky = Sky::Constant { color: [0.0; 3] };
     }
