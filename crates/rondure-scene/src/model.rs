@@ -3,8 +3,6 @@
 //! This tree is the border between reading and rendering. Lengths are in scene units, angles in
 //! radians, colours linear Rec. 709 (sRGB primaries, no transfer curve).
 
-use std::sync::Arc;
-
 use rondure::{Instance, Vec3};
 
 /// A linear colour or a radiance: red, green, blue.
@@ -175,7 +173,7 @@ pub enum Shape {
         /// The radius.
         radius: f64,
     },
-    /// A parallelogram: center + a edges[0] + b edges[1], with a and b from -1/2 to 1/2.
+    /// A parallelogram: `center + a edges[0] + b edges[1]`, with a and b from -1/2 to 1/2.
     Rectangle {
         /// The middle.
         center: Vec3,

@@ -17,9 +17,21 @@ impl Profile {
     /// [`ProfileError`], with the bytes of the text at fault, if the text is no path data, or the
     /// profile would fail [`ProfileBuilder::build`].
     pub fn from_path_data(text: &str) -> Result<Self, ProfileError> {
-        let mut parser = Parser { text, next: 0, comma: None, builder: Self::builder() };
+        Self::builder().path_data(text)?.build()
+    }
+}
+
+impl ProfileBuilder {
+    /// Appends what SVG path data draws; see [`Profile::from_path_data`]. The points are checked
+    /// when the profile is built, so that the path may lie anywhere until then.
+    ///
+    /// # Errors
+    ///
+    /// [`ProfileError`] with the bytes at fault if the text is no path data.
+    pub fn path_data(self, text: &str) -> Result<Self, ProfileError> {
+        let mut parser = Parser { text, next: 0, comma: None, builder: self };
         parser.path()?;
-        parser.builder.build()
+        Ok(parser.builder)
     }
 }
 
@@ -182,11 +194,13 @@ impl Parser<'_> {
         if length == 0 {
             let found = word(self.rest());
             let command = command as char;
-            let message = if found.is_empty() {
-                format!("the path ends in the middle of `{command}`; a number is missing")
-            } else {
-                format!("expected a number for `{command}`, found `{found}`")
-            };
+            if found.is_empty() {
+                let message =
+                    format!("the path ends in the middle of `{command}`; a number is missing");
+                let end = self.text.trim_ascii_end().len();
+                return Err(syntax(message, end..end));
+            }
+            let message = format!("expected a number for `{command}`, found `{found}`");
             return Err(syntax(message, begin..begin + found.len()));
         }
         self.next += length;
