@@ -2,20 +2,25 @@
 
 use std::sync::Arc;
 
-use crate::{Affine, Bounds, Hit, Interaction, Ray, Surface};
+use crate::frame::Frame;
+use crate::interaction::{Interaction, interaction};
+use crate::{Affine, Bounds, Hit, Ray, Surface};
 
 /// A surface placed in the world by an affine map: moved, turned, scaled, mirrored or sheared.
 #[derive(Clone, Debug)]
 pub struct Instance {
     surface: Arc<Surface>,
     placement: Affine,
+    frame: Frame,
+    rounding: f64,
 }
 
 impl Instance {
     /// Places a surface; `None` if the placement has no finite inverse.
     pub fn new(surface: Arc<Surface>, placement: Affine) -> Option<Self> {
-        placement.inverse_rows()?;
-        Some(Self { surface, placement })
+        let frame = Frame::placed(surface.center_z, surface.radius, &placement)?;
+        let rounding = surface.rounding(&placement);
+        Some(Self { surface, placement, frame, rounding })
     }
 
     /// The surface in its own frame.
@@ -29,31 +34,29 @@ impl Instance {
     }
 
     /// The hit with the smallest t in the range of a ray in the world; see [`Surface::closest`].
+    #[inline]
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
-        let _ = ray;
-        unimplemented!()
+        self.surface.closest_from(&self.frame, ray)
     }
 
     /// Whether there is any hit in the range of a ray in the world.
+    #[inline]
     pub fn any(&self, ray: &Ray) -> bool {
-        let _ = ray;
-        unimplemented!()
+        self.surface.any_from(&self.frame, ray)
     }
 
     /// All hits in the range of a ray in the world, in order of t; see [`Surface::all`].
     pub fn all(&self, ray: &Ray, hits: &mut Vec<Hit>) {
-        let _ = (ray, hits);
-        unimplemented!()
+        self.surface.all_from(&self.frame, ray, hits);
     }
 
     /// The full answer for a hit, in the world; see [`Surface::interaction`].
     pub fn interaction(&self, ray: &Ray, hit: &Hit) -> Interaction {
-        let _ = (ray, hit);
-        unimplemented!()
+        interaction(&self.surface, &self.frame, &self.placement, self.rounding, ray, hit)
     }
 
     /// The box round the placed surface, in the world.
     pub fn bounds(&self) -> Bounds {
-        unimplemented!()
+        self.surface.placed_bounds(&self.placement)
     }
 }

@@ -3,18 +3,42 @@
 //! A [`Profile`] is swept round the z axis; the [`Surface`] built from it answers rays in f64:
 //! closest hit, any hit, all hits, and on demand the point, the normal, the parameters and the
 //! partial derivatives there. An [`Instance`] places a shared surface in the world.
+//!
+//! ```
+//! # fn main() -> Result<(), rondure::ProfileError> {
+//! use rondure::{Profile, Ray, Surface, Vec3};
+//!
+//! let torus = Profile::from_path_data("M 3 0 A 1 1 0 0 1 1 0 A 1 1 0 0 1 3 0 Z")?;
+//! let torus = Surface::new(&torus);
+//! let ray = Ray::new(Vec3::new(-5.0, 0.0, 0.0), Vec3::X);
+//! let mut hits = Vec::new();
+//! torus.all(&ray, &mut hits);
+//! assert_eq!(hits.iter().map(|hit| hit.t).collect::<Vec<_>>(), [2.0, 4.0, 6.0, 8.0]);
+//! # Ok(())
+//! # }
+//! ```
 
 mod affine;
+mod arc_length;
 mod bounds;
+mod engine;
+mod frame;
 mod instance;
+mod interaction;
+mod meridian;
 pub mod numeric;
+mod orientation;
+mod piece;
 pub mod profile;
+mod root;
+mod shell;
 mod surface;
 mod vector;
 
 pub use affine::Affine;
 pub use bounds::Bounds;
 pub use instance::Instance;
+pub use interaction::Interaction;
 pub use profile::{Point, Profile, ProfileError, ProfileErrorKind, Segment, Spline};
-pub use surface::{Hit, Interaction, Surface};
+pub use surface::{Hit, Surface};
 pub use vector::{Ray, Vec3};

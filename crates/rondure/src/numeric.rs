@@ -48,9 +48,10 @@ mod tests {
 
     #[test]
     fn two_diff_is_exact() {
-        let (hi, lo) = two_diff(1e16, 1.0 + 1e-10);
-        assert_eq!(hi, 1e16 - 1.0 - 1e-10);
-        assert_eq!(lo, -(1.0 + 1e-10) + (1e16 - hi));
+        let two_53 = 9_007_199_254_740_992.0;
+        assert_eq!(two_diff(two_53, 0.5), (two_53, -0.5));
+        assert_eq!(two_diff(0.5, two_53), (-two_53, 0.5));
+        assert_eq!(two_diff(0.75, 0.5), (0.25, 0.0));
     }
 
     #[test]

@@ -173,9 +173,7 @@ fn check(profile: &Profile) -> Result<(), ProfileError> {
     };
     let all = || profile.segments().flat_map(|s| controls(s));
     let largest = all().fold(0.0_f64, |m, p| m.max(p.r.abs()).max(p.z.abs()));
-    if profile.segments().all(Segment::is_point)
-        && profile.subpaths.iter().all(|s| s.start() == first.start())
-    {
+    if profile.segments().all(Segment::is_point) {
         return Err(ProfileErrorKind::NoExtent { point: first.start() }.into());
     }
     let extent = all().fold(0.0_f64, |m, p| m.max((p - first.start()).length()).max(p.r.abs()));
@@ -207,7 +205,7 @@ fn radius_rounding(segment: &Segment) -> f64 {
 /// The point of a segment with the smallest r, and its parameter.
 fn lowest_radius(segment: &Segment) -> (Point, f64) {
     let mut lowest = (segment.start(), 0.0);
-    for s in super::monotone::turning_parameters_of_r(segment).chain([1.0]) {
+    for s in super::monotone::turning_parameters_of_r(segment).into_iter().chain([1.0]) {
         let point = segment.point(s);
         if point.r < lowest.0.r {
             lowest = (point, s);

@@ -6,7 +6,7 @@
 
 mod builder;
 mod error;
-mod monotone;
+pub(crate) mod monotone;
 mod path_data;
 mod segment;
 mod spline;

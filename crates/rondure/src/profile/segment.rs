@@ -183,7 +183,7 @@ impl Arc {
             a *= half_length;
             b *= half_length;
         }
-        let side = if large == sweep { 1.0 } else { -1.0 };
+        let side = if large == sweep { -1.0 } else { 1.0 };
         let height = if is_half { 0.0 } else { ((1.0 - half_length) * (1.0 + half_length)).sqrt() };
         let middle = start.lerp(end, 0.5);
         // From the middle of the chord to the centre, across the chord, on the unit circle.

@@ -1,0 +1,140 @@
+//! From the world to a surface's own frame and back, without losing what the ray's origin cancels.
+//!
+//! Before anything else the ray's origin moves along the ray to the point closest to the surface's
+//! centre: all that follows is then of the surface's size, and so are its rounding errors, from
+//! however far the ray comes. Any parameter will do for that move, so its own rounding does not
+//! matter; what it cancels is kept by an exact difference and a fused multiply-add.
+
+use crate::numeric::{gamma, reciprocal_power_of_two, two_diff};
+use crate::{Affine, Ray, Vec3};
+
+/// Where a surface stands.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Frame {
+    /// The world coordinates of the surface's centre.
+    center: Vec3,
+    /// A bound on the squared distance of the surface's points from there.
+    radius2: f64,
+    /// The rows of the linear map from the world to the surface; `None` for the identity.
+    inverse: Option<[Vec3; 3]>,
+}
+
+/// A ray as the surface sees it: relative to its centre, from nearby, and with a direction whose
+/// largest coordinate is between 1 and 2.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LocalRay {
+    pub(crate) origin: Vec3,
+    pub(crate) direction: Vec3,
+    /// Between which parameters hits may lie; hits in the ray's own range never lie outside.
+    pub(crate) range: [f64; 2],
+    /// The ray's own parameter is `(shift + unit * local) * scale`.
+    shift: f64,
+    unit: f64,
+    scale: f64,
+}
+
+impl LocalRay {
+    /// The parameter in units of the ray's own direction.
+    #[inline]
+    pub(crate) fn world_t(&self, local: f64) -> f64 {
+        (self.shift + self.unit * local) * self.scale
+    }
+
+    /// The inverse of [`world_t`](Self::world_t).
+    #[inline]
+    pub(crate) fn local_t(&self, t: f64) -> f64 {
+        (t / self.scale - self.shift) / self.unit
+    }
+}
+
+impl Frame {
+    /// A surface that stands where it was built: its centre is on the axis at the height `center_z`,
+    /// and no point is farther from there than `radius`.
+    pub(crate) fn unplaced(center_z: f64, radius: f64) -> Self {
+        let center = Vec3::new(0.0, 0.0, center_z);
+        Self { center, radius2: grown(radius * radius), inverse: None }
+    }
+
+    /// The same surface placed in the world; `None` if the placement has no finite inverse.
+    pub(crate) fn placed(center_z: f64, radius: f64, placement: &Affine) -> Option<Self> {
+        let inverse = placement.inverse_rows()?;
+        let center = placement.point(Vec3::new(0.0, 0.0, center_z));
+        let stretch = largest_stretch(placement);
+        let radius2 = grown(stretch * stretch * (radius * radius));
+        (radius2.is_finite() && center.is_finite()).then_some(Self {
+            center,
+            radius2,
+            inverse: Some(inverse),
+        })
+    }
+
+    /// The ray in the surface's frame; `None` if it passes the surface at a distance, runs away from
+    /// it, or is no ray.
+    #[inline]
+    pub(crate) fn enter(&self, ray: &Ray) -> Option<LocalRay> {
+        let largest = ray.direction.max_abs();
+        if !(ray.direction.is_finite() && ray.origin.is_finite() && largest > 0.0) {
+            return None;
+        }
+        let scale = reciprocal_power_of_two(largest);
+        let direction = ray.direction * scale;
+        let length2 = direction.length_squared();
+
+        let (x, x_low) = two_diff(ray.origin.x, self.center.x);
+        let (y, y_low) = two_diff(ray.origin.y, self.center.y);
+        let (z, z_low) = two_diff(ray.origin.z, self.center.z);
+        let mut shift = -Vec3::new(x, y, z).dot(direction) / length2;
+        let along = |t: f64, from: Vec3| {
+            Vec3::new(
+                t.mul_add(direction.x, from.x),
+                t.mul_add(direction.y, from.y),
+                t.mul_add(direction.z, from.z),
+            )
+        };
+        let mut origin = along(shift, Vec3::new(x, y, z)) + Vec3::new(x_low, y_low, z_low);
+        let rest = -origin.dot(direction) / length2;
+        if rest * rest * length2 > self.radius2 {
+            // From so far away that the parameter's own rounding is longer than the surface.
+            shift += rest;
+            origin = along(rest, origin);
+        }
+
+        let reach2 = self.radius2 - origin.length_squared();
+        if !(reach2 >= 0.0) {
+            return None;
+        }
+        // The move went to the closest point only up to rounding, hence twice the reach.
+        let reach = 2.0 * (self.radius2 / length2).sqrt();
+        let rounding = |t: f64| gamma(16) * (t.abs() + shift.abs() + reach);
+        let (t_min, t_max) = (ray.t_min / scale, ray.t_max / scale);
+        let lo = (t_min - shift - rounding(t_min)).max(-reach);
+        let hi = (t_max - shift + rounding(t_max)).min(reach);
+        if !(lo <= hi) {
+            return None;
+        }
+
+        let mut unit = 1.0;
+        let mut local = (origin, direction);
+        if let Some(rows) = &self.inverse {
+            let apply = |v: Vec3| Vec3::new(rows[0].dot(v), rows[1].dot(v), rows[2].dot(v));
+            let own = apply(direction);
+            unit = reciprocal_power_of_two(own.max_abs());
+            local = (apply(origin), own * unit);
+        }
+        let (origin, direction) = local;
+        Some(LocalRay { origin, direction, range: [lo / unit, hi / unit], shift, unit, scale })
+    }
+}
+
+/// A squared radius with room for rounding on both sides of the comparison.
+fn grown(radius2: f64) -> f64 {
+    radius2 * (1.0 + gamma(64))
+}
+
+/// A bound on the factor by which a map stretches lengths: the square root of the largest row sum of
+/// L^T L, exact for similarities.
+pub(crate) fn largest_stretch(map: &Affine) -> f64 {
+    let c = &map.columns;
+    let row = |i: usize| (0..3).map(|j| c[i].dot(c[j]).abs()).sum::<f64>();
+    row(0).max(row(1)).max(row(2)).sqrt()
+}

@@ -1,0 +1,82 @@
+//! The full answer at a hit: point, normal, parameters, partial derivatives, error bound.
+
+use core::f64::consts::TAU;
+
+use crate::arc_length::arc_length;
+use crate::frame::Frame;
+use crate::{Affine, Hit, Ray, Surface, Vec3};
+
+/// Everything about the surface at a hit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interaction {
+    /// The point, on the surface to within [`error`](Self::error).
+    pub point: Vec3,
+    /// The geometric normal, of unit length. It points out of a solid; on an open profile to the
+    /// right of the drawing direction, r to the right and z up: outwards if drawn upwards.
+    pub normal: Vec3,
+    /// u, the angle round the axis over 2 pi, in [0, 1), and v, the fraction of the profile's arc
+    /// length, in [0, 1].
+    pub uv: [f64; 2],
+    /// The partial derivative of the point by u.
+    pub dp_du: Vec3,
+    /// The partial derivative of the point by v.
+    pub dp_dv: Vec3,
+    /// A bound on how far rounding can have moved [`point`](Self::point) off the surface, and can
+    /// move a ray that starts near it.
+    pub error: f64,
+}
+
+impl Interaction {
+    /// The ray that leaves the surface here: its origin lies off the surface by the error bound, on
+    /// the side to which `direction` points, so that it does not hit the place that it leaves.
+    #[inline]
+    pub fn spawn(&self, direction: Vec3) -> Ray {
+        let side = self.error.copysign(self.normal.dot(direction));
+        Ray::new(self.point + self.normal * side, direction)
+    }
+}
+
+/// The interaction at a hit of a surface that stands in `frame`, where `placement` put it.
+pub(crate) fn interaction(
+    surface: &Surface,
+    frame: &Frame,
+    placement: &Affine,
+    rounding: f64,
+    ray: &Ray,
+    hit: &Hit,
+) -> Interaction {
+    let (profile, tangent) = surface.profile_at(hit);
+    let detail = &surface.details[hit.piece as usize];
+
+    // The hit lies on the circle of radius r exactly; the ray only tells in which direction.
+    let (cos, sin) = frame
+        .enter(&Ray { t_min: f64::NEG_INFINITY, t_max: f64::INFINITY, ..*ray })
+        .map_or((1.0, 0.0), |local| {
+            let p = local.origin + local.direction * local.local_t(hit.t);
+            let rho = p.x.hypot(p.y);
+            if rho > 0.0 { (p.x / rho, p.y / rho) } else { (1.0, 0.0) }
+        });
+    let speed = tangent.length();
+    let (dr, dz) = (tangent.r / speed, tangent.z / speed);
+    let (r, z) = (profile.r, profile.z + surface.center_z);
+
+    let own_normal = Vec3::new(dz * cos, dz * sin, -dr) * detail.sense;
+    let normal = match placement.inverse_rows() {
+        Some(rows) => {
+            (rows[0] * own_normal.x + rows[1] * own_normal.y + rows[2] * own_normal.z).normalized()
+        }
+        None => own_normal,
+    };
+    let turn = sin.atan2(cos) / TAU;
+    let u = if turn < 0.0 { turn + 1.0 } else { turn };
+    let along = detail.length_before + arc_length(&surface.pieces[hit.piece as usize], hit.s);
+    Interaction {
+        point: placement.point(Vec3::new(r * cos, r * sin, z)),
+        normal,
+        // A tiny negative angle rounds to a full turn, which is none.
+        uv: [if u < 1.0 { u } else { 0.0 }, (along / surface.length).clamp(0.0, 1.0)],
+        dp_du: placement.vector(Vec3::new(-r * sin, r * cos, 0.0) * TAU),
+        dp_dv: placement.vector(Vec3::new(dr * cos, dr * sin, dz) * surface.length),
+        error: rounding,
+    }
+}
