@@ -157,3 +157,24 @@ fn torus(ray: &Ray, major: f64, minor: f64) -> Vec<Double> {
     }
     hits
 }
+
+impl Solid {
+    /// The sine of the angle between a line and the surface where it hits, as an f64.
+    pub fn incidence(&self, ray: &Ray, t: Double) -> f64 {
+        let p = ray.at(t.hi);
+        let rho = p.x.hypot(p.y);
+        let slab = |z: f64, height: f64| z.abs() < 1e-9 || (z - height).abs() < 1e-9;
+        // The normal as its radial part over rho, and its axial part.
+        let (radial, axial) = match *self {
+            Self::Sphere { .. } => (1.0, p.z),
+            Self::Cylinder { height, .. } if slab(p.z, height) => (0.0, 1.0),
+            Self::Cylinder { .. } => (1.0 / rho, 0.0),
+            Self::Cone { .. } if p.z.abs() < 1e-9 => (0.0, 1.0),
+            Self::Cone { radius, height } => (height / rho, radius),
+            Self::Torus { major, .. } => ((rho - major) / rho, p.z),
+        };
+        let d = ray.direction;
+        let dot = radial * (p.x * d.x + p.y * d.y) + axial * d.z;
+        dot.abs() / ((radial * rho).hypot(axial) * d.length())
+    }
+}

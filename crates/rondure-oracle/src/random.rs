@@ -67,8 +67,8 @@ impl Random {
             0 => 0.0,
             1 => 2f64.powi(self.below(12) as i32 - 8),
             2 | 3 => {
-                let steps = self.below(9) as i64 - 4;
-                let moved = f64::from_bits((base.to_bits() as i64 + steps).unsigned_abs());
+                let steps = (self.below(9) as u64).wrapping_sub(4);
+                let moved = f64::from_bits(base.to_bits().wrapping_add(steps));
                 if base == 0.0 || !moved.is_finite() { base } else { moved }
             }
             4 => base,
