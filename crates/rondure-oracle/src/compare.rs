@@ -17,6 +17,9 @@ pub const TANGENCY_BAND: f64 = 1e-12;
 /// the line by this over the sine of the incidence.
 pub const BACKWARD_ROUNDOFFS: f64 = 32.0;
 
+/// Below this, incidence is no more than the rounding of the f64 that holds it.
+const LEAST_INCIDENCE: f64 = UNIT_ROUNDOFF;
+
 /// The largest error of a hit along the line, as a length, that counts as right.
 ///
 /// `size` is the object's size, `reach` the largest of the lengths that must be subtracted to bring the
@@ -24,7 +27,11 @@ pub const BACKWARD_ROUNDOFFS: f64 = 32.0;
 /// origin.
 pub fn allowed(hit: &OracleHit, speed: f64, size: f64, reach: f64) -> f64 {
     let moved = UNIT_ROUNDOFF * (BACKWARD_ROUNDOFFS * size + 4.0 * reach);
-    moved / hit.incidence.max(1e-9) + 2.0 * UNIT_ROUNDOFF * (hit.t.hi * speed).abs()
+    // Parallel to a side, a line that passes its edge by less than `moved` may hit either end of it.
+    let at_joint = moved / hit.joint_incidence.max(LEAST_INCIDENCE);
+    let incidence =
+        if hit.joint_distance * size <= at_joint { hit.joint_incidence } else { hit.incidence };
+    moved / incidence.max(LEAST_INCIDENCE) + 2.0 * UNIT_ROUNDOFF * (hit.t.hi * speed).abs()
 }
 
 /// What asks for hits: a surface, or a placed one.

@@ -39,6 +39,9 @@ pub struct OracleHit {
     /// The sine of the angle between the line and the surface: 1 head on, 0 at a tangency. It is 0
     /// too where the profile has no tangent.
     pub incidence: f64,
+    /// The smallest incidence on this piece and on the one beyond the nearer joint: how well the
+    /// hit is determined if it may as well lie there.
+    pub joint_incidence: f64,
     /// The distance in the half plane to the nearer end of the piece, as a fraction of the object's
     /// size.
     pub joint_distance: f64,
@@ -309,26 +312,44 @@ impl Oracle {
     ) -> OracleHit {
         let unit = self.pieces.exponent;
         let [r, z] = [&at.r, &at.z].map(|x| ratio_f64(x, &at.q, unit));
-        let (tr, tz) = at.tangent(piece);
         let dz = to_f64(&setup.dz, setup.unit_direction);
         // n.d for the normal (z' x/r, z' y/r, -r'), where x dx + y dy = a t + b.
         let radial = if r > 0.0 { along / r } else { setup.speed };
-        let incidence = (tz * radial - tr * dz).abs() / (tr.hypot(tz) * setup.speed);
+        let incidence = |(tr, tz): (f64, f64)| {
+            let sine = (tz * radial - tr * dz).abs() / (tr.hypot(tz) * setup.speed);
+            if sine.is_finite() { sine.min(1.0) } else { 0.0 }
+        };
         let ends = [0, piece.controls[0].len() - 1].map(|i| {
             let q = to_f64(&piece.controls[2][i], 0);
             let [er, ez] = [0, 1].map(|c| to_f64(&piece.controls[c][i], unit) / q);
             (r - er).hypot(z - ez) / self.pieces.size
         });
+        let nearer = usize::from(ends[1] < ends[0]);
+        let beyond = self.beyond(piece, nearer).map(|(other, end)| {
+            incidence(Place::at(other, IBig::from(end as i64), 0, setup).tangent(other))
+        });
+        let own = incidence(at.tangent(piece));
+        let joint_incidence = if piece.is_bridge() { 0.0 } else { own.min(beyond.unwrap_or(own)) };
         let (x, m) = bracket.middle();
         let local = to_f64(&x, -m);
         OracleHit {
             t,
             segment: piece.segment,
             s: piece.segment_parameter(local),
-            incidence: if incidence.is_finite() { incidence.min(1.0) } else { 0.0 },
+            incidence: own,
+            joint_incidence,
             joint_distance: ends[0].min(ends[1]),
             changes: bracket.changes,
         }
+    }
+
+    /// The piece beyond one end of another, bridges left out, and its end there.
+    fn beyond(&self, piece: &Piece, end: usize) -> Option<(&Piece, usize)> {
+        let mut other = &self.pieces.list[piece.neighbours[end]?];
+        while other.is_bridge() {
+            other = &self.pieces.list[other.neighbours[end]?];
+        }
+        Some((other, 1 - end))
     }
 
     /// How near the line of a ray is to having another number of hits, as a fraction of the object's

@@ -206,6 +206,11 @@ fn finish(raw: Raw, exponent: i64) -> Piece {
 }
 
 impl Piece {
+    /// Whether this only joins an arc to its end point, some 1e-16 away.
+    pub fn is_bridge(&self) -> bool {
+        self.span[0] == self.span[1]
+    }
+
     /// The parameter on the segment for one on the piece; on an arc, the fraction of the sweep.
     pub fn segment_parameter(&self, local: f64) -> f64 {
         let [from, to] = self.span;

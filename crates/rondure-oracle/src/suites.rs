@@ -37,7 +37,8 @@ pub fn against_closed_form(
                 segment: 0,
                 s: 0.0,
                 incidence: solid.incidence(&ray, t),
-                joint_distance: f64::NAN,
+                joint_incidence: 1.0,
+                joint_distance: f64::INFINITY,
                 changes: 1,
             })
             .collect();
