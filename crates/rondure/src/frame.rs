@@ -100,7 +100,7 @@ impl Frame {
         }
 
         let reach2 = self.radius2 - origin.length_squared();
-        if !(reach2 >= 0.0) {
+        if reach2 < 0.0 {
             return None;
         }
         // The move went to the closest point only up to rounding, hence twice the reach.
@@ -109,7 +109,7 @@ impl Frame {
         let (t_min, t_max) = (ray.t_min / scale, ray.t_max / scale);
         let lo = (t_min - shift - rounding(t_min)).max(-reach);
         let hi = (t_max - shift + rounding(t_max)).min(reach);
-        if !(lo <= hi) {
+        if lo > hi || reach2.is_nan() {
             return None;
         }
 

@@ -4,6 +4,7 @@ use core::f64::consts::TAU;
 
 use crate::arc_length::arc_length;
 use crate::frame::Frame;
+use crate::meridian::Meridian;
 use crate::{Affine, Hit, Ray, Surface, Vec3};
 
 /// Everything about the surface at a hit.
@@ -49,13 +50,17 @@ pub(crate) fn interaction(
     let detail = &surface.details[hit.piece as usize];
 
     // The hit lies on the circle of radius r exactly; the ray only tells in which direction.
-    let (cos, sin) = frame
-        .enter(&Ray { t_min: f64::NEG_INFINITY, t_max: f64::INFINITY, ..*ray })
-        .map_or((1.0, 0.0), |local| {
-            let p = local.origin + local.direction * local.local_t(hit.t);
-            let rho = p.x.hypot(p.y);
-            if rho > 0.0 { (p.x / rho, p.y / rho) } else { (1.0, 0.0) }
-        });
+    let line = Ray { t_min: f64::NEG_INFINITY, t_max: f64::INFINITY, ..*ray };
+    let (cos, sin) = frame.enter(&line).map_or((1.0, 0.0), |local| {
+        // From far away t is less exact than the place on the profile, which tells it anew.
+        let rough = local.local_t(hit.t);
+        let meridian = Meridian::new(local.origin, local.direction);
+        let [a, b] = [true, false].map(|above| meridian.t(profile.r, profile.z, above));
+        let t = if (a - rough).abs() <= (b - rough).abs() { a } else { b };
+        let p = local.origin + local.direction * t;
+        let rho = p.x.hypot(p.y);
+        if rho > 0.0 { (p.x / rho, p.y / rho) } else { (1.0, 0.0) }
+    });
     let speed = tangent.length();
     let (dr, dz) = (tangent.r / speed, tangent.z / speed);
     let (r, z) = (profile.r, profile.z + surface.center_z);

@@ -4,6 +4,8 @@
 //! interval, refinement nodes halve it until one piece is left (paper, sections 3.3, 4.1 and 4.2).
 //! Nodes lie in one array in depth-first order: the first child of a node is the next node.
 
+use arrayvec::ArrayVec;
+
 use crate::meridian::Meridian;
 use crate::piece::Piece;
 use crate::shell::Shell;
@@ -130,8 +132,7 @@ impl ShellTree {
     #[inline]
     pub(crate) fn walk(&self, ray: &Meridian, range: [f64; 2], mut visit: impl FnMut(u32) -> f64) {
         let [_, mut end] = range;
-        let mut waiting = [(0_u32, [0.0; 2]); DEEPEST];
-        let mut count = 0;
+        let mut waiting = ArrayVec::<(u32, [f64; 2]), DEEPEST>::new();
         let Some(mut stretch) = self.nodes[0].shell.meet(ray, range) else { return };
         let mut node = 0_u32;
         loop {
@@ -149,8 +150,7 @@ impl ShellTree {
                             } else {
                                 ((first, a), (second, b))
                             };
-                            waiting[count] = far;
-                            count += 1;
+                            waiting.push(far);
                             (node, stretch) = near;
                             continue;
                         }
@@ -167,11 +167,8 @@ impl ShellTree {
                 }
             }
             loop {
-                if count == 0 {
-                    return;
-                }
-                count -= 1;
-                (node, stretch) = waiting[count];
+                let Some(next) = waiting.pop() else { return };
+                (node, stretch) = next;
                 if stretch[0] <= end {
                     break;
                 }

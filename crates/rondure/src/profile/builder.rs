@@ -171,7 +171,7 @@ fn check(profile: &Profile) -> Result<(), ProfileError> {
     let Some(first) = profile.segments().next() else {
         return Err(ProfileErrorKind::Empty.into());
     };
-    let all = || profile.segments().flat_map(|s| controls(s));
+    let all = || profile.segments().flat_map(controls);
     let largest = all().fold(0.0_f64, |m, p| m.max(p.r.abs()).max(p.z.abs()));
     if profile.segments().all(Segment::is_point) {
         return Err(ProfileErrorKind::NoExtent { point: first.start() }.into());
