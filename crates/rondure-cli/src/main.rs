@@ -1,1 +1,50 @@
-fn main() {}
+//! The command `rondure`: pictures and exact ray hits of surfaces of revolution.
+//!
+//! One module per subcommand; [`failure`] is how all of them fail.
+
+mod check;
+mod failure;
+mod profile;
+mod progress;
+mod render;
+mod scene;
+mod threads;
+mod trace;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Exact ray tracing of surfaces of revolution: vases, goblets, chess pieces, columns.
+#[derive(Debug, Parser)]
+#[command(name = "rondure", version, arg_required_else_help = true, after_help = EXAMPLES)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Render(render::Render),
+    Check(check::Check),
+    Trace(trace::Trace),
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  rondure render scenes/still-life.toml            make still-life.png
+  rondure check scenes/*.toml                      read scenes, say what is wrong
+  rondure trace goblet.path --rays rays.csv --all  print every hit of every ray
+
+`rondure help render`, and so on, explains each command.
+Exit codes: 0 all went well, 1 something is wrong with an input or an output, 2 wrong usage,
+130 stopped by Ctrl-C.";
+
+fn main() -> ExitCode {
+    let outcome = match Cli::parse().command {
+        Command::Render(render) => render.run(),
+        Command::Check(check) => check.run(),
+        Command::Trace(trace) => trace.run(),
+    };
+    failure::exit_code(outcome)
+}

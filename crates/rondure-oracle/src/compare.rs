@@ -5,7 +5,7 @@
 
 use core::fmt;
 
-use rondure::{Hit, Instance, Ray, Surface, numeric::UNIT_ROUNDOFF};
+use rondure::{Hit, Instance, Ray, Surface, Vec3, numeric::UNIT_ROUNDOFF};
 
 use crate::oracle::{ExactLine, Oracle, OracleHit};
 
@@ -44,6 +44,9 @@ pub trait Target {
     fn any(&self, ray: &Ray) -> bool;
     /// The ray's line in the object's frame.
     fn line(&self, ray: &Ray) -> ExactLine;
+    /// The length of the ray's direction in the object's frame, and the largest length there that must
+    /// be subtracted from another to bring the ray next to the object.
+    fn speed_and_reach(&self, ray: &Ray) -> [f64; 2];
 }
 
 impl Target for Surface {
@@ -58,6 +61,9 @@ impl Target for Surface {
     }
     fn line(&self, ray: &Ray) -> ExactLine {
         ExactLine::new(ray)
+    }
+    fn speed_and_reach(&self, ray: &Ray) -> [f64; 2] {
+        [length(ray.direction), ray.origin.max_abs()]
     }
 }
 
@@ -74,6 +80,23 @@ impl Target for Instance {
     fn line(&self, ray: &Ray) -> ExactLine {
         ExactLine::placed(ray, self.placement())
     }
+    fn speed_and_reach(&self, ray: &Ray) -> [f64; 2] {
+        let map = self.placement();
+        let Some(rows) = map.inverse_rows() else { return [0.0; 2] };
+        let d = ray.direction;
+        let image = Vec3::new(rows[0].dot(d), rows[1].dot(d), rows[2].dot(d));
+        // What the entries of the inverse make of rounding in the world, the object's included.
+        let bounds = self.bounds();
+        let world =
+            ray.origin.abs() + map.translation.abs() + bounds.min.abs().max(bounds.max.abs());
+        let reach = rows.iter().map(|r| r.abs().dot(world)).fold(0.0, f64::max);
+        [length(image), reach]
+    }
+}
+
+fn length(v: Vec3) -> f64 {
+    let scale = v.max_abs();
+    scale * (v * scale.recip()).length()
 }
 
 /// What came of many rays.
@@ -152,9 +175,7 @@ impl Tally {
             self.odd += 1;
             self.fail(|| format!("odd: {ray:?}\n  found {found:?}\n  exact {expected:?}"));
         }
-        let scale = ray.direction.max_abs();
-        let speed = scale * (ray.direction * scale.recip()).length();
-        let reach = (ray.origin.max_abs()).max(size);
+        let [speed, reach] = target.speed_and_reach(ray);
         let slack = |h: &OracleHit| allowed(h, speed, size, reach) / speed;
         // A hit at the very end of the range may fall on either side.
         let at_end = expected

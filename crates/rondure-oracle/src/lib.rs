@@ -16,6 +16,7 @@ pub mod profiles;
 pub mod random;
 pub mod suites;
 pub mod trigonometry;
+pub mod views;
 
 pub use compare::{Tally, Target};
 pub use oracle::{ExactLine, Oracle, OracleHit};

@@ -110,6 +110,8 @@ fn on_the_axis() {
             Ray::line(below, -Vec3::Z),
             Ray::new(below, Vec3::Z),
             Ray::new(oracle.center(), Vec3::Z * 1e-7),
+            Ray::line(below, Vec3::new(-0.0, 0.0, 1.0)),
+            Ray::line(below, Vec3::new(0.0, -0.0, -1.0)),
         ]
     });
 }
@@ -148,6 +150,7 @@ fn perpendicular_to_the_axis() {
         for p in targets(profile, random) {
             rays.push(Ray::line(Vec3::new(-3.0, 0.1, p.z), Vec3::new(1.0, -0.02, 0.0)));
             rays.push(Ray::line(Vec3::new(-3.0, 0.0, p.z), Vec3::X));
+            rays.push(Ray::line(Vec3::new(3.0, 0.2, p.z), Vec3::new(-1.0, 0.0, -0.0)));
         }
         rays
     });

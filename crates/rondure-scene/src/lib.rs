@@ -1,5 +1,18 @@
-//! Scene and profile files: text in, a typed [`Scene`] or a list of diagnostics out.
+//! Scene and profile files: text in, a typed [`Scene`] or a [`Report`] out.
+//!
+//! [`read_scene`] reads a scene with all that it refers to, [`read_profile`] a profile alone. Both
+//! collect all that is wrong before they give up.
 
+mod color;
+mod decode;
+mod diagnostic;
+mod file;
 mod model;
+mod profile;
+mod scene;
 
+pub use diagnostic::{Diagnostic, Label, Report, Severity, Source};
+pub use file::LARGEST_FILE;
 pub use model::*;
+pub use profile::{ProfileFormat, ProfileOptions, Unit, parse_profile, read_profile};
+pub use scene::{parse_scene, read_scene};

@@ -3,8 +3,6 @@
 //! This tree is the border between reading and rendering. Lengths are in scene units, angles in
 //! radians, colours linear Rec. 709 (sRGB primaries, no transfer curve).
 
-use std::sync::Arc;
-
 use rondure::{Instance, Vec3};
 
 /// A linear colour or a radiance: red, green, blue.

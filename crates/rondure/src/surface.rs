@@ -4,7 +4,7 @@
 //! Ray -> Frame: LocalRay -> Meridian -> ShellTree -> pieces -> root: (s, t) -> Hit -> Interaction
 //! ```
 
-use crate::arc_length::arc_length;
+use crate::arc_length::ArcLength;
 use crate::engine::ShellTree;
 use crate::frame::{Frame, LocalRay, largest_stretch};
 use crate::interaction::{Interaction, interaction};
@@ -55,8 +55,9 @@ pub struct Surface {
 pub(crate) struct Detail {
     /// The segment of the profile that the piece was cut from.
     pub(crate) segment: u32,
-    /// The arc length of the profile before the piece.
+    /// The arc length of the profile before the piece, and that of the piece.
     pub(crate) length_before: f64,
+    pub(crate) length: ArcLength,
     /// 1 if the normal is to the right of the drawing direction, -1 if to the left.
     pub(crate) sense: f64,
 }
@@ -72,13 +73,15 @@ impl Surface {
         let mut pieces = Vec::new();
         let mut details = Vec::new();
         let mut segment = 0;
+        let mut length_before = 0.0;
         for (subpath, sense) in profile.subpaths().iter().zip(outward_senses(profile)) {
             for curve in subpath.segments() {
-                let whole = piece::cut(curve).into_iter().flat_map(refine);
-                let before = pieces.len();
-                pieces.extend(whole);
-                let detail = Detail { segment, length_before: 0.0, sense };
-                details.extend(core::iter::repeat_n(detail, pieces.len() - before));
+                for piece in piece::cut(curve).into_iter().flat_map(refine) {
+                    let length = ArcLength::new(&piece);
+                    details.push(Detail { segment, length_before, length, sense });
+                    length_before += length.whole();
+                    pieces.push(piece);
+                }
                 segment += 1;
             }
         }
@@ -93,11 +96,6 @@ impl Surface {
         for piece in &mut pieces {
             *piece = piece.lowered(center_z);
         }
-        let mut length = 0.0;
-        for (detail, piece) in details.iter_mut().zip(&pieces) {
-            detail.length_before = length;
-            length += arc_length(piece, 1.0);
-        }
         Self {
             profile: profile.clone(),
             frame: Frame::unplaced(center_z, radius),
@@ -106,7 +104,7 @@ impl Surface {
             details,
             center_z,
             radius,
-            length,
+            length: length_before,
             r_max,
             z_range,
         }

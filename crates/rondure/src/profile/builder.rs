@@ -2,7 +2,7 @@
 
 use core::ops::Range;
 
-use super::{Arc, Point, Profile, ProfileError, ProfileErrorKind, Segment, Subpath};
+use super::{Arc, PlaneMap, Point, Profile, ProfileError, ProfileErrorKind, Segment, Subpath};
 use crate::numeric::gamma;
 
 /// Collects subpaths, point by point, and checks them at the end.
@@ -105,6 +105,61 @@ impl ProfileBuilder {
         self
     }
 
+    /// Maps all that has been drawn so far; arcs stay arcs.
+    #[must_use]
+    pub fn map(mut self, map: &PlaneMap) -> Self {
+        self.each_segment(|segment| *segment = map.segment(segment));
+        self.start = map.point(self.start);
+        self.end = map.point(self.end);
+        self
+    }
+
+    /// Puts the points that lie within `distance` of the axis on it: ends, control points, and the
+    /// centres of arcs.
+    ///
+    /// [`map_rounding`](Self::map_rounding) is the distance that undoes what rounding has done to
+    /// points that were drawn on the axis.
+    #[must_use]
+    pub fn snap_to_axis(mut self, distance: f64) -> Self {
+        let snap = |p: &mut Point| {
+            if p.r.abs() <= distance {
+                p.r = 0.0;
+            }
+        };
+        self.each_segment(|segment| match segment {
+            Segment::Line(p) => p.iter_mut().for_each(snap),
+            Segment::Quadratic(p) => p.iter_mut().for_each(snap),
+            Segment::Cubic(p) => p.iter_mut().for_each(snap),
+            Segment::Arc(a) => [&mut a.start, &mut a.end, &mut a.center].into_iter().for_each(snap),
+        });
+        snap(&mut self.start);
+        snap(&mut self.end);
+        self
+    }
+
+    /// How far rounding can move the r of a point when `map` is applied to what has been drawn so
+    /// far, counting the decimal coordinates and the relative steps that it was written with.
+    ///
+    /// Let X be the largest absolute value of a coordinate and n the number of segments. A point is
+    /// a sum of at most n + 2 steps; each literal is rounded when it is read (u times its size, at
+    /// most 2 X), each addition by u X: together 3 (n + 2) u X, to which the map adds its own
+    /// rounding and its own magnitude.
+    pub fn map_rounding(&self, map: &PlaneMap) -> f64 {
+        let finished = self.subpaths.iter().flat_map(Subpath::segments);
+        let all = finished.chain(&self.current).flat_map(controls);
+        let reach =
+            all.fold(Point::default(), |m, p| Point::new(m.r.max(p.r.abs()), m.z.max(p.z.abs())));
+        let steps = u32::try_from(self.spans.len()).unwrap_or(u32::MAX / 8).min(u32::MAX / 8);
+        map.rounding_of_r(reach, 3 * (steps + 2))
+    }
+
+    fn each_segment(&mut self, mut change: impl FnMut(&mut Segment)) {
+        for subpath in &mut self.subpaths {
+            subpath.segments.iter_mut().for_each(&mut change);
+        }
+        self.current.iter_mut().for_each(change);
+    }
+
     /// Checks everything and returns the profile.
     ///
     /// # Errors
@@ -158,7 +213,7 @@ impl ProfileBuilder {
 }
 
 /// Squares of lengths, and products of two of them, must neither overflow nor vanish.
-const LARGEST: f64 = 1e100;
+pub(super) const LARGEST: f64 = 1e100;
 const SMALLEST: f64 = 1e-100;
 
 fn check(profile: &Profile) -> Result<(), ProfileError> {

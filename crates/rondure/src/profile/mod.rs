@@ -8,11 +8,13 @@ mod builder;
 mod error;
 pub(crate) mod monotone;
 mod path_data;
+mod plane_map;
 mod segment;
 mod spline;
 
 pub use builder::ProfileBuilder;
 pub use error::{ProfileError, ProfileErrorKind};
+pub use plane_map::PlaneMap;
 pub use segment::{Arc, Point, Segment};
 pub use spline::Spline;
 

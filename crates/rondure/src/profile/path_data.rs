@@ -17,9 +17,21 @@ impl Profile {
     /// [`ProfileError`], with the bytes of the text at fault, if the text is no path data, or the
     /// profile would fail [`ProfileBuilder::build`].
     pub fn from_path_data(text: &str) -> Result<Self, ProfileError> {
-        let mut parser = Parser { text, next: 0, comma: None, builder: Self::builder() };
+        Self::builder().path_data(text)?.build()
+    }
+}
+
+impl ProfileBuilder {
+    /// Appends what SVG path data draws; see [`Profile::from_path_data`]. The points are checked
+    /// when the profile is built, so that the path may lie anywhere until then.
+    ///
+    /// # Errors
+    ///
+    /// [`ProfileError`] with the bytes at fault if the text is no path data.
+    pub fn path_data(self, text: &str) -> Result<Self, ProfileError> {
+        let mut parser = Parser { text, next: 0, comma: None, builder: self };
         parser.path()?;
-        parser.builder.build()
+        Ok(parser.builder)
     }
 }
 

@@ -1,0 +1,145 @@
+//! `rondure check`: what is wrong with scenes, and what is in them.
+
+use std::{
+    fmt,
+    io::{self, Write},
+    path::PathBuf,
+    sync::Arc,
+};
+
+use clap::Args;
+use rondure_scene::{Projection, Scene, Shape};
+
+use crate::{failure::Failure, scene};
+
+/// Read scenes with all that they refer to, and say what is wrong with them or what is in them
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  rondure check scenes/still-life.toml
+  rondure check scenes/*.toml
+
+What is wrong goes to standard error, what is in the good scenes to standard output.")]
+pub(crate) struct Check {
+    /// The scene files
+    #[arg(required = true, value_name = "SCENE.toml")]
+    scenes: Vec<PathBuf>,
+}
+
+impl Check {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
+        let mut bad = 0;
+        let mut out = io::stdout().lock();
+        for path in &self.scenes {
+            match scene::read(path) {
+                Ok(scene) => {
+                    let contents = Contents::of(&scene);
+                    writeln!(out, "{}: good\n{contents}", path.display())
+                        .map_err(|error| Failure::output(&error))?;
+                }
+                Err(failure) => {
+                    failure.tell();
+                    bad += 1;
+                }
+            }
+        }
+        if self.scenes.len() > 1 && bad > 0 {
+            anstream::eprintln!("\n{bad} of {} scenes cannot be rendered", self.scenes.len());
+        }
+        if bad > 0 { Err(Failure::Reported) } else { Ok(()) }
+    }
+}
+
+/// What is in a scene.
+struct Contents<'a> {
+    scene: &'a Scene,
+    turned: usize,
+    profiles: usize,
+    segments: usize,
+    planes: usize,
+    disks: usize,
+    rectangles: usize,
+    spheres: usize,
+}
+
+impl<'a> Contents<'a> {
+    fn of(scene: &'a Scene) -> Self {
+        let mut found = Self {
+            scene,
+            turned: 0,
+            profiles: 0,
+            segments: 0,
+            planes: 0,
+            disks: 0,
+            rectangles: 0,
+            spheres: 0,
+        };
+        let mut surfaces = Vec::new();
+        for object in &scene.objects {
+            match &object.shape {
+                Shape::Turned(instance) => {
+                    found.turned += 1;
+                    surfaces.push(instance.surface());
+                }
+                Shape::Plane { .. } => found.planes += 1,
+                Shape::Disk { .. } => found.disks += 1,
+                Shape::Rectangle { .. } => found.rectangles += 1,
+                Shape::Sphere { .. } => found.spheres += 1,
+            }
+        }
+        surfaces.sort_by_key(|surface| Arc::as_ptr(surface));
+        surfaces.dedup_by_key(|surface| Arc::as_ptr(surface));
+        found.profiles = surfaces.len();
+        found.segments = surfaces.iter().map(|s| s.profile().segments().count()).sum();
+        found
+    }
+}
+
+impl fmt::Display for Contents<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Scene { film, camera, lights, materials, objects, .. } = self.scene;
+        let projection = match camera.projection {
+            Projection::Perspective { fov } => {
+                format!("perspective, field of view {:.3}°", fov.to_degrees())
+            }
+            Projection::Orthographic { height } => format!("orthographic, {height} high"),
+        };
+        writeln!(
+            f,
+            "  film       {}x{}, {} per pixel, depth {}, {} bits",
+            film.width,
+            film.height,
+            count(film.spp as usize, "sample"),
+            film.depth,
+            film.bits
+        )?;
+        let lens = if camera.lens.is_some() { ", with a lens" } else { "" };
+        writeln!(f, "  camera     {projection}{lens}")?;
+        writeln!(f, "  objects    {}", objects.len())?;
+        if self.turned > 0 {
+            writeln!(
+                f,
+                "    turned     {}, from {} with {}",
+                self.turned,
+                count(self.profiles, "profile"),
+                count(self.segments, "segment")
+            )?;
+        }
+        for (number, name) in [
+            (self.planes, "planes"),
+            (self.disks, "disks"),
+            (self.rectangles, "rectangles"),
+            (self.spheres, "spheres"),
+        ] {
+            if number > 0 {
+                writeln!(f, "    {name:<10} {number}")?;
+            }
+        }
+        writeln!(f, "  materials  {}", materials.len())?;
+        write!(f, "  lights     {} and the sky", lights.len())
+    }
+}
+
+fn count(number: usize, noun: &str) -> String {
+    format!("{number} {noun}{}", if number == 1 { "" } else { "s" })
+}

@@ -1,0 +1,89 @@
+//! The argument `PROFILE`, the options that say how to read it, and the reading.
+
+use std::path::PathBuf;
+
+use clap::{
+    Args, ValueEnum,
+    builder::{PossibleValuesParser, TypedValueParser},
+};
+use rondure::{Profile, Spline};
+use rondure_scene::{ProfileOptions, Unit, read_profile};
+
+use crate::failure::Failure;
+
+#[derive(Debug, Args)]
+pub(crate) struct ProfileArgs {
+    /// The profile: path data (.path or .txt), a drawing (.svg) or points (.csv)
+    profile: PathBuf,
+
+    /// SVG: the id of the shape, if the drawing has several
+    #[arg(long, value_name = "ID", help_heading = SHAPE)]
+    svg_id: Option<String>,
+
+    /// SVG: the x of the axis in the drawing's user units; 0 if not given
+    #[arg(long, value_name = "X", allow_negative_numbers = true, help_heading = SHAPE)]
+    axis: Option<f64>,
+
+    /// SVG: the y that becomes z = 0; the bottom of the page if not given
+    #[arg(long, value_name = "Y", allow_negative_numbers = true, help_heading = SHAPE)]
+    base: Option<f64>,
+
+    /// SVG: put points that are no farther from the axis than this onto it
+    #[arg(long, value_name = "DISTANCE", help_heading = SHAPE)]
+    snap: Option<f64>,
+
+    /// SVG: the unit in which the profile is measured; the drawing's user units if not given
+    #[arg(long, help_heading = SHAPE, value_parser = unit_parser())]
+    unit: Option<Unit>,
+
+    /// CSV: how the curve runs through the points; polyline if not given
+    #[arg(long, value_name = "KIND", value_enum, help_heading = SHAPE)]
+    spline: Option<SplineName>,
+
+    /// A factor on r and z, after everything else
+    #[arg(long, value_name = "F", allow_negative_numbers = true, help_heading = SHAPE)]
+    scale: Option<f64>,
+}
+
+const SHAPE: &str = "How to read the profile";
+
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+enum SplineName {
+    /// Straight from point to point
+    Polyline,
+    /// Natural cubic spline
+    Natural,
+    /// Catmull-Rom spline
+    CatmullRom,
+}
+
+impl From<SplineName> for Spline {
+    fn from(name: SplineName) -> Self {
+        match name {
+            SplineName::Polyline => Self::Polyline,
+            SplineName::Natural => Self::Natural,
+            SplineName::CatmullRom => Self::CatmullRom,
+        }
+    }
+}
+
+fn unit_parser() -> impl TypedValueParser<Value = Unit> {
+    PossibleValuesParser::new(Unit::NAMES.map(|(name, _)| name))
+        .try_map(|name| Unit::from_name(&name).ok_or("no such unit"))
+}
+
+impl ProfileArgs {
+    /// Reads the profile.
+    pub(crate) fn read(&self) -> Result<Profile, Failure> {
+        let options = ProfileOptions {
+            id: self.svg_id.clone(),
+            axis: self.axis,
+            base: self.base,
+            snap: self.snap,
+            unit: self.unit,
+            scale: self.scale,
+            spline: self.spline.map(Spline::from),
+        };
+        read_profile(&self.profile, &options).map_err(|report| Failure::Report(report.colored()))
+    }
+}

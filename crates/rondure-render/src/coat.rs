@@ -1,0 +1,299 @@
+//! The clear coat of a glossy surface: a rough or smooth dielectric over a coloured base.
+//!
+//! The rough coat is the GGX microfacet model (Walter et al. 2007) with the height-correlated
+//! masking of Heitz 2014, sampled by visible normals (Dupuy and Benyoub 2023, "Sampling Visible
+//! GGX Normals with Spherical Caps"). What the coat does not reflect reaches the base: the base is
+//! weighted by what the coat lets through on the way in and on the way out (Kelemen and
+//! Szirmay-Kalos 2001), so that no more light leaves than came, and with a white base all of it.
+//!
+//! Directions here are in the frame of the surface: z is the normal, on the viewer's side.
+
+use core::f64::consts::{PI, TAU};
+
+use rondure::Vec3;
+
+use crate::fresnel;
+
+/// The index of refraction of the coat: that of glaze, lacquer and most plastics.
+const INDEX: f64 = 1.5;
+/// Below this width alpha the coat counts as a mirror: the lobe is narrower than a pixel of a
+/// picture 1000 pixels wide at 60 degrees.
+const MIRROR_ALPHA: f64 = 1e-3;
+/// The least width alpha of the highlight of a light that has no body, a point or a sun: a perfect
+/// mirror would show nothing of it.
+const HIGHLIGHT_ALPHA: f64 = 0.02;
+/// The steps of the table of reflectances.
+const STEPS: usize = 64;
+
+/// The distribution of microfacet normals of a given width.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ggx {
+    alpha: f64,
+}
+
+impl Ggx {
+    /// The width for highlights of lights without a body in a perfectly smooth surface.
+    pub(crate) const HIGHLIGHT: Self = Self { alpha: HIGHLIGHT_ALPHA };
+
+    /// The density of the normals at the cosine `cos_h`.
+    #[inline]
+    fn density(self, cos_h: f64) -> f64 {
+        let a2 = self.alpha * self.alpha;
+        // sin^2 + a^2 cos^2 from the difference, which keeps narrow lobes accurate.
+        let sin2 = (1.0 - cos_h) * (1.0 + cos_h);
+        let s = sin2 + a2 * cos_h * cos_h;
+        a2 / (PI * s * s)
+    }
+
+    /// sqrt(a^2 + (1 - a^2) cos^2), the root in Smith's masking.
+    #[inline]
+    fn root(self, cos: f64) -> f64 {
+        let a2 = self.alpha * self.alpha;
+        (a2 + (1.0 - a2) * cos * cos).sqrt()
+    }
+
+    /// D G2 / (4 cos_o cos_i) times cos_i: what a light from `wi` adds towards `wo`, before the
+    /// Fresnel factor, which is to be taken at the second number, the cosine with the half vector.
+    #[inline]
+    pub(crate) fn reflect(self, wo: Vec3, wi: Vec3) -> (f64, f64) {
+        let half = (wo + wi).normalized();
+        let masking = 0.5 / (wo.z * self.root(wi.z) + wi.z * self.root(wo.z));
+        (self.density(half.z) * masking * wi.z, half.dot(wo).clamp(0.0, 1.0))
+    }
+
+    /// A microfacet normal, in proportion to how much of it `wo` sees.
+    #[inline]
+    fn visible_normal(self, wo: Vec3, u: (f64, f64)) -> Vec3 {
+        let a = self.alpha;
+        let stretched = Vec3::new(wo.x * a, wo.y * a, wo.z).normalized();
+        let z = (1.0 - u.1) * (1.0 + stretched.z) - stretched.z;
+        let radius = (1.0 - z * z).max(0.0).sqrt();
+        let (sin, cos) = (TAU * u.0).sin_cos();
+        let half = Vec3::new(radius * cos, radius * sin, z) + stretched;
+        Vec3::new(half.x * a, half.y * a, half.z.max(0.0)).normalized()
+    }
+
+    /// The density, by solid angle, with which [`sample`](Self::sample) finds `wi`.
+    #[inline]
+    fn pdf(self, wo: Vec3, wi: Vec3) -> f64 {
+        let half = (wo + wi).normalized();
+        self.density(half.z) * 0.5 / (wo.z + self.root(wo.z))
+    }
+
+    /// A direction of reflection, the cosine with the half vector, and what is left of the light
+    /// before the Fresnel factor: G2 / G1. `None` if the direction leads into the surface.
+    #[inline]
+    fn sample(self, wo: Vec3, u: (f64, f64)) -> Option<(Vec3, f64, f64)> {
+        let half = self.visible_normal(wo, u);
+        let cos = half.dot(wo);
+        let wi = half * (2.0 * cos) - wo;
+        if !(wi.z > 0.0) {
+            return None;
+        }
+        let (root_o, root_i) = (self.root(wo.z), self.root(wi.z));
+        let masked = wi.z * (wo.z + root_o) / (wo.z * root_i + wi.z * root_o);
+        Some((wi, cos.clamp(0.0, 1.0), masked))
+    }
+}
+
+/// A clear coat.
+#[derive(Clone, Debug)]
+pub(crate) struct Coat {
+    strength: f64,
+    /// The lobe; `None` if the coat is a mirror.
+    lobe: Option<Ggx>,
+    /// The reflectance of the coat over the root of the cosine.
+    albedo: Vec<f64>,
+    /// The mean of the reflectance over all directions.
+    mean_albedo: f64,
+}
+
+/// What [`Coat::sample`] finds.
+pub(crate) struct Reflection {
+    pub(crate) direction: Vec3,
+    pub(crate) weight: f64,
+    /// The density of the direction by solid angle; infinite for a mirror.
+    pub(crate) pdf: f64,
+}
+
+impl Coat {
+    /// `strength` is the factor on the reflectance of a real coat, from 0 to 1; `roughness` is the
+    /// root of the width alpha of the lobe.
+    pub(crate) fn new(strength: f64, roughness: f64) -> Self {
+        let strength = strength.clamp(0.0, 1.0);
+        let alpha = roughness.clamp(0.0, 1.0).powi(2);
+        let lobe = (alpha >= MIRROR_ALPHA).then_some(Ggx { alpha });
+        let at = |i: usize| (i as f64 / STEPS as f64).powi(2);
+        let albedo: Vec<_> = (0..=STEPS).map(|i| strength * reflectance(lobe, at(i))).collect();
+        let mut coat = Self { strength, lobe, albedo, mean_albedo: 0.0 };
+        let n = 8 * STEPS;
+        coat.mean_albedo = (0..n)
+            .map(|i| ((i as f64 + 0.5) / n as f64).sqrt())
+            .map(|cos| coat.albedo(cos))
+            .sum::<f64>()
+            / n as f64;
+        coat
+    }
+
+    /// The share of the light from a direction that the coat reflects.
+    #[inline]
+    fn albedo(&self, cos: f64) -> f64 {
+        let place = cos.clamp(0.0, 1.0).sqrt() * STEPS as f64;
+        let i = (place as usize).min(STEPS - 1);
+        let (a, b) = (self.albedo[i], self.albedo[i + 1]);
+        a + (b - a) * (place - i as f64)
+    }
+
+    /// The factor on the reflected light of the base for a light at `cos_i` seen at `cos_o`.
+    #[inline]
+    pub(crate) fn base(&self, cos_o: f64, cos_i: f64) -> f64 {
+        // A coat that reflects everything leaves nothing for the base.
+        let through = 1.0 - self.mean_albedo;
+        if through > 0.0 {
+            (1.0 - self.albedo(cos_o)) * (1.0 - self.albedo(cos_i)) / through
+        } else {
+            0.0
+        }
+    }
+
+    #[inline]
+    fn fresnel(&self, cos: f64) -> f64 {
+        self.strength * fresnel::from_air(cos, INDEX)
+    }
+
+    /// The highlight of a light without a body: the value of the lobe times the cosine.
+    #[inline]
+    pub(crate) fn highlight(&self, wo: Vec3, wi: Vec3) -> f64 {
+        let alpha = self.lobe.map_or(0.0, |lobe| lobe.alpha).max(HIGHLIGHT_ALPHA);
+        let (value, cos) = Ggx { alpha }.reflect(wo, wi);
+        value * self.fresnel(cos)
+    }
+
+    /// The highlight of a light with a body, found with the density `light_pdf`: the value of the
+    /// lobe times the cosine, less what [`sample`](Self::sample) is better at (Veach's power
+    /// heuristic). A mirror coat sees such lights by its reflection alone.
+    #[inline]
+    pub(crate) fn shared_highlight(&self, wo: Vec3, wi: Vec3, light_pdf: f64) -> f64 {
+        let Some(lobe) = self.lobe else { return 0.0 };
+        let (value, cos) = lobe.reflect(wo, wi);
+        value * self.fresnel(cos) * power_heuristic(light_pdf, lobe.pdf(wo, wi))
+    }
+
+    /// A direction of reflection and its share of the light.
+    #[inline]
+    pub(crate) fn sample(&self, wo: Vec3, u: (f64, f64)) -> Option<Reflection> {
+        let Some(lobe) = self.lobe else {
+            let direction = Vec3::new(-wo.x, -wo.y, wo.z);
+            let weight = self.fresnel(wo.z);
+            return Some(Reflection { direction, weight, pdf: f64::INFINITY });
+        };
+        let (direction, cos, masked) = lobe.sample(wo, u)?;
+        let weight = self.fresnel(cos) * masked;
+        Some(Reflection { direction, weight, pdf: lobe.pdf(wo, direction) })
+    }
+
+    /// Whether the reflection needs random numbers.
+    pub(crate) fn is_rough(&self) -> bool {
+        self.lobe.is_some()
+    }
+}
+
+/// The weight of the first of two ways to find the same light.
+#[inline]
+pub(crate) fn power_heuristic(pdf: f64, other: f64) -> f64 {
+    if pdf == f64::INFINITY {
+        return 1.0;
+    }
+    let ratio = other / pdf;
+    1.0 / (1.0 + ratio * ratio)
+}
+
+/// The share of the light at the cosine `cos` that a lobe of full strength reflects, by summing
+/// over evenly spread visible normals.
+fn reflectance(lobe: Option<Ggx>, cos: f64) -> f64 {
+    const SAMPLES: u32 = 512;
+    // The additive recurrence of the plastic number: evenly spread in the square.
+    const STEP: (f64, f64) = (0.754_877_666_246_692_8, 0.569_840_290_998_053_2);
+    let Some(lobe) = lobe else { return fresnel::from_air(cos, INDEX) };
+    // At 0 the limit is taken from a little above, where a direction is still defined.
+    let cos = cos.max(0.25 / (STEPS * STEPS) as f64);
+    let wo = Vec3::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos);
+    let one = |i: u32| {
+        let at = f64::from(i) + 0.5;
+        let u = ((at * STEP.0).fract(), (at * STEP.1).fract());
+        lobe.sample(wo, u).map_or(0.0, |(_, cos, masked)| masked * fresnel::from_air(cos, INDEX))
+    };
+    (0..SAMPLES).map(one).sum::<f64>() / f64::from(SAMPLES)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::warp;
+
+    fn grid(n: u32) -> impl Iterator<Item = (f64, f64)> {
+        let at = move |i: u32| (f64::from(i) + 0.5) / f64::from(n);
+        (0..n * n).map(move |i| (at(i % n), at(i / n)))
+    }
+
+    fn towards(cos: f64) -> Vec3 {
+        Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos)
+    }
+
+    #[test]
+    fn visible_normals_have_their_density() {
+        let lobe = Ggx { alpha: 0.4 };
+        let wo = towards(0.6);
+        // The integral of the density over the directions that lead out is the share of samples
+        // that do.
+        let n = 512;
+        let integral =
+            grid(n).map(|u| TAU * lobe.pdf(wo, warp::cap(u, 1.0))).sum::<f64>() / f64::from(n * n);
+        let share = grid(n).filter(|&u| lobe.sample(wo, u).is_some()).count();
+        let share = share as f64 / f64::from(n * n);
+        assert!((integral - share).abs() < 2e-3, "{integral} {share}");
+    }
+
+    #[test]
+    fn sampled_weight_is_value_over_density() {
+        let lobe = Ggx { alpha: 0.3 };
+        let wo = towards(0.5);
+        for u in grid(20) {
+            let Some((wi, _, masked)) = lobe.sample(wo, u) else { continue };
+            let (value, _) = lobe.reflect(wo, wi);
+            let expected = value / lobe.pdf(wo, wi);
+            assert!((masked - expected).abs() < 1e-9 * expected, "{masked} {expected}");
+        }
+    }
+
+    #[test]
+    fn coat_and_white_base_return_all_light() {
+        for (strength, roughness) in [(1.0, 0.0), (1.0, 0.3), (0.5, 0.6), (1.0, 1.0), (0.0, 0.2)] {
+            let coat = Coat::new(strength, roughness);
+            for cos in [0.02, 0.1, 0.3, 0.7, 1.0] {
+                let wo = towards(cos);
+                let n = 128;
+                let sum: f64 = grid(n)
+                    .map(|u| {
+                        let base = coat.base(cos, warp::cosine_hemisphere(u).z);
+                        base + coat.sample(wo, u).map_or(0.0, |s| s.weight)
+                    })
+                    .sum();
+                let total = sum / f64::from(n * n);
+                assert!((total - 1.0).abs() < 4e-3, "{strength} {roughness} {cos}: {total}");
+            }
+        }
+    }
+
+    #[test]
+    fn highlight_holds_the_energy_of_the_reflection() {
+        let coat = Coat::new(1.0, 0.5);
+        let wo = towards(0.8);
+        let n = 512;
+        let by_light = grid(n).map(|u| TAU * coat.highlight(wo, warp::cap(u, 1.0))).sum::<f64>()
+            / f64::from(n * n);
+        let by_lobe = grid(n).filter_map(|u| coat.sample(wo, u)).map(|s| s.weight).sum::<f64>()
+            / f64::from(n * n);
+        assert!((by_light - by_lobe).abs() < 1e-3 * by_lobe, "{by_light} {by_lobe}");
+    }
+}

@@ -1,0 +1,386 @@
+//! The light along a ray, after Whitted 1980, "An Improved Illumination Model for Shaded Display".
+//!
+//! Matte surfaces and the base of glossy ones are lit by the lights and the sky directly; mirrors,
+//! coats and glass follow the light further. There is no light from matte surface to matte surface,
+//! and no caustic: glass lets shadow rays through straight.
+//!
+//! Glass asks for both branches while the path carries enough weight, and then picks one at
+//! random. The weights of the paths of one generation add up to at most one, so at most
+//! 1 / [`SPLIT_WEIGHT`] of them branch: the work is bounded by the depth, not by its power of two.
+
+use rondure::{Interaction, Ray, Vec3};
+
+use crate::{
+    coat::{Ggx, power_heuristic},
+    color::Rgb,
+    finish::{Finish, Pattern},
+    fresnel,
+    light::Incoming,
+    sampler::{Key, Sample},
+    warp::{self, Frame},
+    world::{Leave, Role, World},
+};
+
+/// The least weight of a path that follows both reflection and refraction.
+const SPLIT_WEIGHT: f64 = 0.1;
+/// The weight below which a path is ended at random (Russian roulette).
+const ROULETTE_WEIGHT: f64 = 0.01;
+/// A highlight on a mirror or on glass this faint is cut off, and all are lowered by as much so
+/// that there is no edge: as part of the light, a quarter of the step of an 8-bit picture.
+const FAINT_HIGHLIGHT: f64 = 1e-3;
+/// The most bodies of glass within each other that a path keeps account of.
+const MAX_NESTED: usize = 4;
+
+// The random numbers of a place on a path.
+const REFLECTED: u32 = 0;
+const REFRACTED: u32 = 1;
+const LOBE: u32 = 2;
+const ROULETTE: u32 = 3;
+const SKY: u32 = 4;
+const CHOICE: u32 = 5;
+const LAMPS: u32 = 16;
+
+/// How many rays were shot, and what went wrong.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Statistics {
+    /// Rays from the camera.
+    pub camera_rays: u64,
+    /// Reflected and refracted rays.
+    pub secondary_rays: u64,
+    /// Rays towards lights and sky.
+    pub shadow_rays: u64,
+    /// Samples that came out negative, infinite or not a number, and were left out of the picture.
+    pub invalid_samples: u64,
+}
+
+impl Statistics {
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.camera_rays += other.camera_rays;
+        self.secondary_rays += other.secondary_rays;
+        self.shadow_rays += other.shadow_rays;
+        self.invalid_samples += other.invalid_samples;
+    }
+}
+
+/// The bodies of glass that a path is inside of, in the order of entering.
+#[derive(Clone, Copy, Debug, Default)]
+struct Media {
+    inside: [u32; MAX_NESTED],
+    len: usize,
+}
+
+impl Media {
+    fn entered(mut self, thing: u32) -> Self {
+        if self.len < MAX_NESTED {
+            self.inside[self.len] = thing;
+            self.len += 1;
+        }
+        self
+    }
+
+    fn left(mut self, thing: u32) -> Self {
+        if let Some(i) = self.inside[..self.len].iter().rposition(|&t| t == thing) {
+            self.inside.copy_within(i + 1..self.len, i);
+            self.len -= 1;
+        }
+        self
+    }
+
+    /// The body whose material fills the place: the one entered last.
+    #[inline]
+    fn top(&self) -> Option<u32> {
+        self.len.checked_sub(1).map(|i| self.inside[i])
+    }
+}
+
+/// What a ray knows of the way behind it.
+#[derive(Clone, Copy, Debug)]
+struct Path {
+    /// How often the light was reflected or refracted.
+    depth: u32,
+    /// An upper bound on the share of the ray's light that reaches the eye.
+    weight: f64,
+    /// The density by solid angle with which the ray was chosen.
+    pdf: f64,
+    key: Key,
+    media: Media,
+}
+
+impl Path {
+    fn next(&self, branch: u32, pdf: f64) -> Self {
+        Self { depth: self.depth + 1, key: self.key.child(branch), pdf, ..*self }
+    }
+}
+
+/// A place where light is looked up: the surface, the viewer's side of it and the viewer.
+struct Place<'a> {
+    surface: &'a Interaction,
+    /// The normal on the viewer's side.
+    normal: Vec3,
+    /// The unit direction to the viewer.
+    outgoing: Vec3,
+    path: &'a Path,
+}
+
+/// Follows the rays of one sample of one pixel.
+pub(crate) struct Tracer<'a> {
+    pub(crate) world: &'a World,
+    pub(crate) depth: u32,
+    pub(crate) sample: Sample,
+    pub(crate) statistics: Statistics,
+}
+
+impl Tracer<'_> {
+    /// The radiance that comes against a ray from the camera, of unit direction.
+    #[inline]
+    pub(crate) fn camera_ray(&mut self, ray: &Ray) -> Rgb {
+        self.statistics.camera_rays += 1;
+        let path = Path {
+            depth: 0,
+            weight: 1.0,
+            pdf: f64::INFINITY,
+            key: Key::ROOT,
+            media: Media::default(),
+        };
+        self.radiance(ray, path)
+    }
+
+    fn radiance(&mut self, ray: &Ray, mut path: Path) -> Rgb {
+        let world = self.world;
+        let Some(contact) = world.closest(ray) else {
+            return world.sky.radiance(ray.direction);
+        };
+        let faded = match path.media.top() {
+            Some(thing) => {
+                let (absorption, _) = world.glass(thing);
+                absorption.map(|a| (-a * contact.hit.t).exp())
+            }
+            None => Rgb::WHITE,
+        };
+        path.weight *= faded.max_channel();
+        let (finish, solid) = match world.role(contact.thing) {
+            Role::Lamp(lamp) => {
+                let lamp = &world.lamps[lamp as usize];
+                let pdf = lamp.pdf(ray.origin, ray.direction, contact.hit.t);
+                return lamp.radiance() * faded * power_heuristic(path.pdf, pdf);
+            }
+            Role::Surface { finish, solid } => (finish, solid),
+        };
+        let surface = world.interaction(ray, &contact);
+        let outgoing = -ray.direction;
+        let entering = surface.normal.dot(outgoing) >= 0.0;
+        let normal = if entering { surface.normal } else { -surface.normal };
+        let place = Place { surface: &surface, normal, outgoing, path: &path };
+        let light = match world.finish(finish) {
+            Finish::Matte { color } => self.matte(&place, color.at(surface.uv)),
+            Finish::Glossy { color, coat } => {
+                let base = color.at(surface.uv);
+                let frame = Frame::new(normal);
+                let mut local = frame.to_local(outgoing);
+                local.z = local.z.max(f64::MIN_POSITIVE);
+                let mut sum = self.direct(&place, |incoming| {
+                    let wi = frame.to_local(incoming.direction);
+                    let lambert = coat.base(local.z, wi.z) * wi.z * core::f64::consts::FRAC_1_PI;
+                    let (bright, shared) = if incoming.pdf == f64::INFINITY {
+                        (coat.highlight(local, wi), 0.0)
+                    } else {
+                        (0.0, coat.shared_highlight(local, wi, incoming.pdf))
+                    };
+                    (base * lambert + Rgb::splat(bright), Rgb::splat(shared))
+                });
+                sum += self.sky_light(&place, |cos| base * coat.base(local.z, cos));
+                let u = if coat.is_rough() {
+                    self.sample.pair(path.key.child(LOBE))
+                } else {
+                    (0.5, 0.5)
+                };
+                if let Some(found) = coat.sample(local, u) {
+                    let direction = frame.to_world(found.direction);
+                    let next = path.next(REFLECTED, found.pdf);
+                    sum += self.follow(&place, direction, normal, Rgb::splat(found.weight), next);
+                }
+                sum
+            }
+            Finish::Mirror { color } => self.mirror(&place, color, surface.uv),
+            Finish::Glass { ior, .. } if solid => self.glass(&place, contact.thing, *ior, entering),
+            Finish::Glass { ior, .. } => self.sheet(&place, *ior),
+        };
+        light * faded
+    }
+
+    fn matte(&mut self, place: &Place<'_>, color: Rgb) -> Rgb {
+        let lit = self.direct(place, |incoming| {
+            let cos = incoming.direction.dot(place.normal);
+            (color * (cos * core::f64::consts::FRAC_1_PI), Rgb::BLACK)
+        });
+        lit + self.sky_light(place, |_| color)
+    }
+
+    fn mirror(&mut self, place: &Place<'_>, color: &Pattern, uv: [f64; 2]) -> Rgb {
+        let color = color.at(uv);
+        let schlick = |cos: f64| color.mix(Rgb::WHITE, (1.0 - cos).clamp(0.0, 1.0).powi(5));
+        let weight = schlick(place.normal.dot(place.outgoing));
+        let direction = fresnel::reflect(-place.outgoing, place.normal);
+        let next = place.path.next(REFLECTED, f64::INFINITY);
+        let reflected = self.follow(place, direction, place.normal, weight, next);
+        reflected + self.highlight(place, schlick)
+    }
+
+    /// A boundary of a body of glass.
+    fn glass(&mut self, place: &Place<'_>, thing: u32, ior: f64, entering: bool) -> Rgb {
+        let media = place.path.media;
+        let index = |media: &Media| media.top().map_or(1.0, |thing| self.world.glass(thing).1);
+        let beyond = if entering { media.entered(thing) } else { media.left(thing) };
+        let before = match media.top() {
+            // A camera within the glass: the path has never entered what it leaves.
+            None if !entering => ior,
+            _ => index(&media),
+        };
+        let behind = index(&beyond);
+        let incoming = -place.outgoing;
+        let cos = place.normal.dot(place.outgoing).clamp(0.0, 1.0);
+        let reflected = place.path.next(REFLECTED, f64::INFINITY);
+        let mut refracted = place.path.next(REFRACTED, f64::INFINITY);
+        refracted.media = beyond;
+        let mirrored = fresnel::reflect(incoming, place.normal);
+        let mut sum = Rgb::BLACK;
+        if entering && media.len == 0 {
+            sum += self.highlight(place, |cos| Rgb::splat(fresnel::from_air(cos, ior)));
+        }
+        let Some((reflectance, cos_t)) = fresnel::dielectric(cos, before, behind) else {
+            return sum + self.follow(place, mirrored, place.normal, Rgb::WHITE, reflected);
+        };
+        let through = fresnel::refract(incoming, place.normal, before / behind, cos, cos_t);
+        let (share, other) = self.shares(place.path, reflectance);
+        if share > 0.0 {
+            let weight = Rgb::splat(share);
+            sum += self.follow(place, mirrored, place.normal, weight, reflected);
+        }
+        if other > 0.0 {
+            sum += self.follow(place, through, -place.normal, Rgb::splat(other), refracted);
+        }
+        sum
+    }
+
+    /// A sheet of glass without thickness.
+    fn sheet(&mut self, place: &Place<'_>, ior: f64) -> Rgb {
+        let reflectance = |cos: f64| fresnel::sheet(fresnel::from_air(cos, ior));
+        let cos = place.normal.dot(place.outgoing).clamp(0.0, 1.0);
+        let mut sum = self.highlight(place, |cos| Rgb::splat(reflectance(cos)));
+        let (share, other) = self.shares(place.path, reflectance(cos));
+        if share > 0.0 {
+            let mirrored = fresnel::reflect(-place.outgoing, place.normal);
+            let next = place.path.next(REFLECTED, f64::INFINITY);
+            sum += self.follow(place, mirrored, place.normal, Rgb::splat(share), next);
+        }
+        if other > 0.0 {
+            let next = place.path.next(REFRACTED, f64::INFINITY);
+            sum += self.follow(place, -place.outgoing, -place.normal, Rgb::splat(other), next);
+        }
+        sum
+    }
+
+    /// The weights of reflection and refraction: both, or one of them chosen at random.
+    fn shares(&self, path: &Path, reflectance: f64) -> (f64, f64) {
+        if path.weight >= SPLIT_WEIGHT {
+            (reflectance, 1.0 - reflectance)
+        } else if self.sample.single(path.key.child(CHOICE)) < reflectance {
+            (1.0, 0.0)
+        } else {
+            (0.0, 1.0)
+        }
+    }
+
+    /// The light from a direction on the given side of a place, times `weight`.
+    fn follow(
+        &mut self,
+        place: &Place<'_>,
+        direction: Vec3,
+        side: Vec3,
+        mut weight: Rgb,
+        mut next: Path,
+    ) -> Rgb {
+        if next.depth > self.depth {
+            return Rgb::BLACK;
+        }
+        next.weight *= weight.max_channel();
+        if next.weight < ROULETTE_WEIGHT {
+            let u = self.sample.single(next.key.child(ROULETTE));
+            if u * ROULETTE_WEIGHT >= next.weight {
+                return Rgb::BLACK;
+            }
+            weight = weight * (ROULETTE_WEIGHT / next.weight);
+            next.weight = ROULETTE_WEIGHT;
+        }
+        self.statistics.secondary_rays += 1;
+        // Rounding may turn a grazing direction to the wrong side, by as little as it is off.
+        let off = direction.dot(side);
+        let direction = if off < 0.0 { direction - side * (2.0 * off) } else { direction };
+        let ray = place.surface.leave(direction);
+        self.radiance(&ray, next) * weight
+    }
+
+    /// The highlights of the lights that have no body in a perfectly smooth surface.
+    fn highlight(&mut self, place: &Place<'_>, reflectance: impl Fn(f64) -> Rgb) -> Rgb {
+        if self.world.lamps.is_empty() {
+            return Rgb::BLACK;
+        }
+        let frame = Frame::new(place.normal);
+        let mut wo = frame.to_local(place.outgoing);
+        wo.z = wo.z.max(f64::MIN_POSITIVE);
+        self.direct(place, |incoming| {
+            if incoming.pdf < f64::INFINITY {
+                return (Rgb::BLACK, Rgb::BLACK);
+            }
+            let (value, cos) = Ggx::HIGHLIGHT.reflect(wo, frame.to_local(incoming.direction));
+            let light = reflectance(cos) * value;
+            (light.map(|v| (v - FAINT_HIGHLIGHT).max(0.0)), Rgb::BLACK)
+        })
+    }
+
+    /// The light of all lamps, `reflected` by the surface to the viewer: the factor on irradiance
+    /// at right angles, and a second one that counts only where the view of the lamp is free.
+    fn direct(&mut self, place: &Place<'_>, reflected: impl Fn(&Incoming) -> (Rgb, Rgb)) -> Rgb {
+        let mut sum = Rgb::BLACK;
+        for (i, lamp) in (0..).zip(&self.world.lamps) {
+            let u = if lamp.has_extent() {
+                self.sample.pair(place.path.key.child(LAMPS + i))
+            } else {
+                (0.5, 0.5)
+            };
+            let Some(incoming) = lamp.sample(place.surface.point, u) else { continue };
+            if !(incoming.direction.dot(place.normal) > 0.0) {
+                continue;
+            }
+            let (always, free) = reflected(&incoming);
+            if always.is_black() && free.is_black() {
+                continue;
+            }
+            let ray = place.surface.leave(incoming.direction).with_range(0.0, incoming.distance);
+            self.statistics.shadow_rays += 1;
+            let passed = self.world.transmittance(&ray);
+            if passed == Rgb::WHITE {
+                sum += incoming.light * (always + free);
+            } else if !passed.is_black() {
+                sum += incoming.light * passed * always;
+            }
+        }
+        sum
+    }
+
+    /// The light of the sky on a diffuse surface, whose reflectance depends on the cosine.
+    fn sky_light(&mut self, place: &Place<'_>, reflectance: impl Fn(f64) -> Rgb) -> Rgb {
+        if self.world.sky.is_black() {
+            return Rgb::BLACK;
+        }
+        let local = warp::cosine_hemisphere(self.sample.pair(place.path.key.child(SKY)));
+        let direction = Frame::new(place.normal).to_world(local);
+        let light = self.world.sky.radiance(direction) * reflectance(local.z);
+        // At the very horizon rounding decides on which side the direction lies.
+        if light.is_black() || !(direction.dot(place.normal) > 0.0) {
+            return Rgb::BLACK;
+        }
+        self.statistics.shadow_rays += 1;
+        light * self.world.transmittance(&place.surface.leave(direction))
+    }
+}

@@ -1,0 +1,261 @@
+//! The lights and the sky: where light comes from, as seen from a point.
+
+use core::f64::consts::{PI, TAU};
+
+use rondure::{Vec3, numeric::gamma};
+use rondure_scene::{Light, Sky};
+
+use crate::{
+    color::Rgb,
+    warp::{self, Frame},
+};
+
+/// A light with what sampling it needs worked out.
+#[derive(Clone, Debug)]
+pub(crate) enum Lamp {
+    Point { position: Vec3, intensity: Rgb },
+    Sun { direction: Vec3, irradiance: Rgb },
+    SunDisk { frame: Frame, radiance: Rgb, cap: f64 },
+    Disk { center: Vec3, frame: Frame, radius: f64, radiance: Rgb },
+    Sphere { center: Vec3, radius: f64, radiance: Rgb },
+}
+
+/// Light that could arrive at a point, were nothing in its way.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Incoming {
+    /// The unit direction to where it comes from.
+    pub(crate) direction: Vec3,
+    /// How far away its source is.
+    pub(crate) distance: f64,
+    /// The irradiance of a surface that faces it.
+    pub(crate) light: Rgb,
+    /// The density of the direction by solid angle, of a light whose body can be seen; infinite
+    /// for the others.
+    pub(crate) pdf: f64,
+}
+
+impl Lamp {
+    pub(crate) fn new(light: &Light) -> Self {
+        match *light {
+            Light::Point { position, intensity } => {
+                Self::Point { position, intensity: intensity.into() }
+            }
+            Light::Sun { direction, irradiance, angular_radius } => {
+                let direction = direction.normalized();
+                let irradiance = Rgb::from(irradiance);
+                let sin = angular_radius.sin();
+                if !(sin * sin > 0.0) {
+                    return Self::Sun { direction, irradiance };
+                }
+                // 1 - cos without cancellation.
+                let cap = 2.0 * (0.5 * angular_radius).sin().powi(2);
+                let radiance = irradiance / (PI * sin * sin);
+                Self::SunDisk { frame: Frame::new(direction), radiance, cap }
+            }
+            Light::Disk { center, normal, radius, radiance } => {
+                let frame = Frame::new(normal.normalized());
+                Self::Disk { center, frame, radius, radiance: radiance.into() }
+            }
+            Light::Sphere { center, radius, radiance } => {
+                Self::Sphere { center, radius, radiance: radiance.into() }
+            }
+        }
+    }
+
+    /// Whether random numbers choose the place on the light.
+    #[inline]
+    pub(crate) fn has_extent(&self) -> bool {
+        !matches!(self, Self::Point { .. } | Self::Sun { .. })
+    }
+
+    /// The radiance of the light's body.
+    #[inline]
+    pub(crate) fn radiance(&self) -> Rgb {
+        match *self {
+            Self::Disk { radiance, .. } | Self::Sphere { radiance, .. } => radiance,
+            _ => Rgb::BLACK,
+        }
+    }
+
+    /// Light from a place chosen by `u`; `None` if none comes from there.
+    #[inline]
+    pub(crate) fn sample(&self, at: Vec3, u: (f64, f64)) -> Option<Incoming> {
+        match *self {
+            Self::Point { position, intensity } => {
+                let to_light = position - at;
+                let distance2 = to_light.length_squared();
+                if !(distance2 > 0.0) {
+                    return None;
+                }
+                let distance = distance2.sqrt();
+                let direction = to_light / distance;
+                let light = intensity / distance2;
+                Some(Incoming { direction, distance, light, pdf: f64::INFINITY })
+            }
+            Self::Sun { direction, irradiance: light } => {
+                Some(Incoming { direction, distance: f64::INFINITY, light, pdf: f64::INFINITY })
+            }
+            Self::SunDisk { frame, radiance, cap } => {
+                let direction = frame.to_world(warp::cap(u, cap));
+                let light = radiance * (TAU * cap);
+                Some(Incoming { direction, distance: f64::INFINITY, light, pdf: f64::INFINITY })
+            }
+            Self::Disk { center, frame, radius, radiance } => {
+                let (x, y) = warp::disk(u);
+                let target = center + frame.to_world(Vec3::new(x * radius, y * radius, 0.0));
+                let to_light = target - at;
+                let distance = to_light.length();
+                let direction = to_light / distance;
+                let pdf = self.pdf(at, direction, distance);
+                if !(pdf > 0.0) {
+                    return None;
+                }
+                Some(Incoming {
+                    direction,
+                    distance: before(distance, target, at),
+                    light: radiance / pdf,
+                    pdf,
+                })
+            }
+            Self::Sphere { center, radius, radiance } => {
+                let (to_center, cap) = visible_cap(center, radius, at)?;
+                let distance = to_center.length();
+                let local = warp::cap(u, cap);
+                let direction = Frame::new(to_center / distance).to_world(local);
+                // The near end of the chord: the distance along it less half its length.
+                let sin2 = (1.0 - local.z) * (1.0 + local.z);
+                let half2 = radius * radius - distance * distance * sin2;
+                let reach = distance * local.z - half2.max(0.0).sqrt();
+                let solid_angle = TAU * cap;
+                Some(Incoming {
+                    direction,
+                    distance: before(reach, center, at),
+                    light: radiance * solid_angle,
+                    pdf: 1.0 / solid_angle,
+                })
+            }
+        }
+    }
+
+    /// The density by solid angle with which [`sample`](Self::sample) finds a place on the light's
+    /// body that lies in this direction at this distance.
+    #[inline]
+    pub(crate) fn pdf(&self, at: Vec3, direction: Vec3, distance: f64) -> f64 {
+        match *self {
+            Self::Disk { frame, radius, .. } => {
+                let cos = -frame.to_local(direction).z;
+                if cos > 0.0 { distance * distance / (cos * PI * radius * radius) } else { 0.0 }
+            }
+            Self::Sphere { center, radius, .. } => {
+                visible_cap(center, radius, at).map_or(0.0, |(_, cap)| 1.0 / (TAU * cap))
+            }
+            Self::Point { .. } | Self::Sun { .. } | Self::SunDisk { .. } => 0.0,
+        }
+    }
+}
+
+/// The way to the centre of a sphere and 1 - cos of the half angle under which it is seen; `None`
+/// from inside.
+#[inline]
+fn visible_cap(center: Vec3, radius: f64, at: Vec3) -> Option<(Vec3, f64)> {
+    let to_center = center - at;
+    let sin2 = radius * radius / to_center.length_squared();
+    // 1 - cos = sin^2 / (1 + cos), without cancellation.
+    (sin2 < 1.0).then(|| (to_center, sin2 / (1.0 + (1.0 - sin2).sqrt())))
+}
+
+/// The distance less the rounding of its ends, so that what the light is fixed to does not hide it.
+#[inline]
+fn before(distance: f64, target: Vec3, at: Vec3) -> f64 {
+    distance - gamma(32) * (target.max_abs() + at.max_abs() + distance)
+}
+
+/// The radiance of the sky.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Heaven {
+    zenith: Rgb,
+    horizon: Rgb,
+    ground: Rgb,
+}
+
+impl Heaven {
+    pub(crate) fn new(sky: &Sky) -> Self {
+        match *sky {
+            Sky::Constant { color } => {
+                Self { zenith: color.into(), horizon: color.into(), ground: color.into() }
+            }
+            Sky::Gradient { zenith, horizon, ground } => {
+                Self { zenith: zenith.into(), horizon: horizon.into(), ground: ground.into() }
+            }
+        }
+    }
+
+    /// The radiance from a unit direction.
+    #[inline]
+    pub(crate) fn radiance(&self, direction: Vec3) -> Rgb {
+        let end = if direction.z >= 0.0 { self.zenith } else { self.ground };
+        self.horizon.mix(end, direction.z.abs().min(1.0))
+    }
+
+    pub(crate) fn is_black(&self) -> bool {
+        self.zenith.is_black() && self.horizon.is_black() && self.ground.is_black()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The irradiance of a surface at `at` that faces `normal`, by the mean of many samples.
+    fn irradiance(light: &Light, at: Vec3, normal: Vec3) -> f64 {
+        let lamp = Lamp::new(light);
+        let n = 256;
+        let place = |i: u32| (f64::from(i) + 0.5) / f64::from(n);
+        let sum: f64 = (0..n * n)
+            .filter_map(|i| lamp.sample(at, (place(i % n), place(i / n))))
+            .map(|s| s.light.r * s.direction.dot(normal).max(0.0))
+            .sum();
+        sum / f64::from(n * n)
+    }
+
+    #[test]
+    fn irradiances_are_the_closed_forms() {
+        let color = [1.0; 3];
+        let point = Light::Point { position: Vec3::new(0.0, 0.0, 2.0), intensity: color };
+        assert!((irradiance(&point, Vec3::ZERO, Vec3::Z) - 0.25).abs() < 1e-14);
+        for angular_radius in [0.0, 1e-9, 0.00465, 0.3] {
+            let sun = Light::Sun { direction: Vec3::Z, irradiance: color, angular_radius };
+            let found = irradiance(&sun, Vec3::ZERO, Vec3::Z);
+            assert!((found - 1.0).abs() < 1e-5, "{angular_radius}: {found}");
+        }
+        // A disk facing the point: pi r^2 / (r^2 + d^2). A sphere: pi (r / d)^2.
+        let (center, radius) = (Vec3::new(0.0, 0.0, 2.0), 0.5);
+        let disk = Light::Disk { center, normal: -Vec3::Z, radius, radiance: color };
+        let found = irradiance(&disk, Vec3::ZERO, Vec3::Z);
+        assert!((found - PI * 0.25 / 4.25).abs() < 1e-5, "{found}");
+        let away = Light::Disk { center, normal: Vec3::Z, radius, radiance: color };
+        assert_eq!(irradiance(&away, Vec3::ZERO, Vec3::Z), 0.0);
+        let sphere = Light::Sphere { center, radius, radiance: color };
+        let found = irradiance(&sphere, Vec3::ZERO, Vec3::Z);
+        assert!((found - PI * 0.0625).abs() < 1e-6, "{found}");
+    }
+
+    #[test]
+    fn sampled_places_lie_on_the_light() {
+        let (center, radius) = (Vec3::new(3.0, -1.0, 2.0), 0.5);
+        let lamp = Lamp::new(&Light::Sphere { center, radius, radiance: [1.0; 3] });
+        for u in [(0.1, 0.2), (0.999, 0.7), (0.5, 0.5)] {
+            let found = lamp.sample(Vec3::ZERO, u).unwrap();
+            let place = found.direction * found.distance;
+            assert!(((place - center).length() - radius).abs() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn sky_is_mixed_by_the_sine_of_the_height() {
+        let sky =
+            Heaven::new(&Sky::Gradient { zenith: [1.0; 3], horizon: [0.5; 3], ground: [0.0; 3] });
+        let at = |z: f64| sky.radiance(Vec3::new((1.0 - z * z).sqrt(), 0.0, z)).g;
+        assert_eq!((at(1.0), at(0.5), at(0.0), at(-0.5), at(-1.0)), (1.0, 0.75, 0.5, 0.25, 0.0));
+    }
+}

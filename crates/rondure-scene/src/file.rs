@@ -1,0 +1,46 @@
+//! Text from files, with an error for everything that a path can turn out to be.
+
+use std::{fs::File, io::Read, path::Path};
+
+use crate::{Diagnostic, Report};
+
+/// The size of the largest file that is read, in bytes: 64 MiB. A scene or a profile beyond that is
+/// a mistake in the name.
+pub const LARGEST_FILE: u64 = 64 << 20;
+
+pub(crate) fn read_text(path: &Path) -> Result<String, Report> {
+    let name = path.display();
+    let fail = |message: String| Report::only(Diagnostic::error(message));
+    let unreadable = |e: std::io::Error| fail(format!("cannot read `{name}`: {e}"));
+    let file = File::open(path).map_err(unreadable)?;
+    if file.metadata().map_err(unreadable)?.is_dir() {
+        return Err(fail(format!("cannot read `{name}`: it is a directory")));
+    }
+    let mut bytes = Vec::new();
+    file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+    if bytes.len() as u64 > LARGEST_FILE {
+        let limit = LARGEST_FILE >> 20;
+        return Err(fail(format!("cannot read `{name}`: it is larger than {limit} MiB")));
+    }
+    let mut text = String::from_utf8(bytes).map_err(|e| {
+        let good = e.utf8_error().valid_up_to();
+        let bytes = e.as_bytes();
+        let line = 1 + bytes[..good].iter().filter(|b| **b == b'\n').count();
+        let byte = bytes[good];
+        let message = format!(
+            "cannot read `{name}`: it is not UTF-8 text: byte {good} (0x{byte:02x}, in line {line}) \
+             begins no character"
+        );
+        let utf16 = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
+        let diagnostic = Diagnostic::error(message);
+        Report::only(if utf16 {
+            diagnostic.help("it looks like UTF-16; save it as UTF-8")
+        } else {
+            diagnostic
+        })
+    })?;
+    if text.starts_with('\u{feff}') {
+        text.drain(..'\u{feff}'.len_utf8());
+    }
+    Ok(text)
+}

@@ -1,0 +1,193 @@
+//! The things in the scene.
+
+use std::{collections::HashMap, ops::Range};
+
+use rondure::{Affine, Instance, Vec3};
+
+use super::{material::Materials, placement, shared::Profiles};
+use crate::{
+    Diagnostic, Material, Object, Shape,
+    decode::{Bounds, Context, Table},
+};
+
+pub(super) fn objects(
+    tables: Vec<Table<'_>>,
+    materials: &mut Materials,
+    profiles: &mut Profiles,
+) -> Vec<Object> {
+    let mut all = Vec::new();
+    let mut names = HashMap::new();
+    for (i, table) in tables.into_iter().enumerate() {
+        let cx = table.context();
+        let name = table.get("name").and_then(|v| Some((v.string()?.to_owned(), v.span())));
+        if let Some((name, span)) = &name {
+            check_name(cx, &mut names, name, span.clone());
+        }
+        let name = name.map_or_else(|| format!("object {}", i + 1), |(name, _)| name);
+        all.extend(object(table, &name, materials, profiles).unwrap_or_default());
+    }
+    all
+}
+
+fn check_name(
+    cx: &Context<'_>,
+    names: &mut HashMap<String, Range<usize>>,
+    name: &str,
+    span: Range<usize>,
+) {
+    match names.get(name) {
+        Some(first) => cx.push(
+            Diagnostic::error(format!("two objects have the name `{name}`"))
+                .at(span, "the second")
+                .and_at(first.clone(), "the first"),
+        ),
+        None => {
+            names.insert(name.into(), span);
+        }
+    }
+}
+
+#[derive(Clone, Copy)]
+enum Kind {
+    Turned,
+    Plane,
+    Disk,
+    Rectangle,
+    Sphere,
+}
+
+const KINDS: [(&str, Kind); 5] = [
+    ("turned", Kind::Turned),
+    ("plane", Kind::Plane),
+    ("disk", Kind::Disk),
+    ("rectangle", Kind::Rectangle),
+    ("sphere", Kind::Sphere),
+];
+
+/// An object and its copies.
+fn object(
+    mut table: Table<'_>,
+    name: &str,
+    materials: &mut Materials,
+    profiles: &mut Profiles,
+) -> Option<Vec<Object>> {
+    let material = materials.find(table.get("material"));
+    let kind = match table.get("type") {
+        Some(v) => {
+            let kind = v.choice("type of object", &KINDS)?;
+            table.call(format!("a {}", v.as_str().unwrap_or_default()));
+            if matches!(kind, Kind::Turned) {
+                table.call("a turned object");
+            }
+            kind
+        }
+        None => {
+            table.call("a turned object");
+            Kind::Turned
+        }
+    };
+    let copies = placement::copies(&table);
+    let shapes = match kind {
+        Kind::Turned => turned(&table, profiles, copies.as_deref()),
+        _ => flat_or_round(&table, kind)
+            .zip(copies)
+            .map(|(shape, copies)| copies.iter().map(|copy| moved(&shape, copy)).collect()),
+    };
+    if let (Some(shapes), Some(material)) = (&shapes, material) {
+        warn_about_open_glass(&table, shapes, materials.get(material));
+    }
+    table.finish();
+    let (shapes, material) = (shapes?, material?);
+    let alone = shapes.len() == 1;
+    let named = |(i, shape)| {
+        let name = if alone { name.to_owned() } else { format!("{name} #{}", i + 1) };
+        Object { name, shape, material }
+    };
+    Some(shapes.into_iter().enumerate().map(named).collect())
+}
+
+fn turned(
+    table: &Table<'_>,
+    profiles: &mut Profiles,
+    copies: Option<&[Affine]>,
+) -> Option<Vec<Shape>> {
+    let surface = table.require("profile").and_then(|v| profiles.find(&v));
+    let placement = placement::placement(table)?;
+    let (surface, copies) = (surface?, copies?);
+    let place = |copy: &Affine| Instance::new(surface.clone(), copy.after(&placement));
+    let shapes: Option<Vec<_>> = copies.iter().map(|c| place(c).map(Shape::Turned)).collect();
+    if shapes.is_none() {
+        let span = ["scale", "position"].iter().find_map(|key| table.key_span(key));
+        table.context().push(
+            Diagnostic::error("the placement cannot be inverted in f64 arithmetic")
+                .at(span.unwrap_or(table.span()), "")
+                .help("the object is too large, too small, too flat or too far away"),
+        );
+    }
+    shapes
+}
+
+fn flat_or_round(table: &Table<'_>, kind: Kind) -> Option<Shape> {
+    let position = table.get("position").map_or(Some(Vec3::ZERO), |v| v.vector());
+    let normal = || table.get("normal").map_or(Some(Vec3::Z), |v| v.direction());
+    let radius = || table.require("radius").and_then(|v| v.number(Bounds::POSITIVE));
+    match kind {
+        Kind::Turned => None,
+        Kind::Plane => position.zip(normal()).map(|(point, normal)| Shape::Plane { point, normal }),
+        Kind::Disk => {
+            let (normal, radius) = (normal(), radius());
+            let (center, normal, radius) = (position?, normal?, radius?);
+            Some(Shape::Disk { center, normal, radius })
+        }
+        Kind::Rectangle => {
+            let normal = normal();
+            let size = table.require("size").and_then(|v| v.numbers::<2>(Bounds::POSITIVE));
+            let rotation = match table.get("rotation") {
+                Some(v) => v.number(Bounds::ANY),
+                None => Some(0.0),
+            };
+            let (center, normal, [width, height]) = (position?, normal?, size?);
+            let frame =
+                Affine::align_z(normal).after(&Affine::rotate(Vec3::Z, rotation?.to_radians()));
+            let edges = [frame.vector(Vec3::X) * width, frame.vector(Vec3::Y) * height];
+            Some(Shape::Rectangle { center, edges })
+        }
+        Kind::Sphere => {
+            let radius = radius();
+            Some(Shape::Sphere { center: position?, radius: radius? })
+        }
+    }
+}
+
+/// The shape under a motion.
+fn moved(shape: &Shape, motion: &Affine) -> Shape {
+    match *shape {
+        Shape::Turned(ref instance) => Shape::Turned(instance.clone()),
+        Shape::Plane { point, normal } => {
+            Shape::Plane { point: motion.point(point), normal: motion.vector(normal) }
+        }
+        Shape::Disk { center, normal, radius } => {
+            Shape::Disk { center: motion.point(center), normal: motion.vector(normal), radius }
+        }
+        Shape::Rectangle { center, edges } => Shape::Rectangle {
+            center: motion.point(center),
+            edges: edges.map(|edge| motion.vector(edge)),
+        },
+        Shape::Sphere { center, radius } => Shape::Sphere { center: motion.point(center), radius },
+    }
+}
+
+fn warn_about_open_glass(table: &Table<'_>, shapes: &[Shape], material: Option<&Material>) {
+    let (Some(Material::Glass { .. }), Some(Shape::Turned(instance))) = (material, shapes.first())
+    else {
+        return;
+    };
+    if !instance.surface().profile().bounds_solid() {
+        let span = table.key_span("profile").unwrap_or(table.span());
+        table.context().push(
+            Diagnostic::warning("this glass has no inside: its profile is open")
+                .at(span, "neither closed nor with both ends on the axis")
+                .help("draw the thickness of the glass too, or close the profile with Z"),
+        );
+    }
+}

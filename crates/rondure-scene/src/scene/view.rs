@@ -1,0 +1,141 @@
+//! The film and the camera.
+
+use rondure::{Vec3, numeric::gamma};
+
+use crate::{
+    Camera, Diagnostic, Film, Lens, Projection,
+    decode::{Bounds, Context, Table, Value},
+};
+
+/// The most pixels along an edge: 4096 times the largest screens, and w h still fits a u32.
+const LARGEST_EDGE: u32 = 65_535;
+
+pub(super) fn film(table: Option<Table<'_>>) -> Film {
+    let mut film = Film { width: 800, height: 600, spp: 16, depth: 8, bits: 8, exposure: 1.0 };
+    let Some(table) = table else { return film };
+    if let Some(size) = table.get("size").and_then(|v| v.items("an array of width and height")) {
+        match size.as_slice() {
+            [width, height] => {
+                film.width = width.whole(1, LARGEST_EDGE).unwrap_or(film.width);
+                film.height = height.whole(1, LARGEST_EDGE).unwrap_or(film.height);
+            }
+            _ => {
+                let found = format!("`size` is [width, height], not {} numbers", size.len());
+                table.get("size").and_then(|v| v.fail::<()>(found));
+            }
+        }
+    }
+    let whole = |key, least, most, default| {
+        table.get(key).and_then(|v| v.whole(least, most)).unwrap_or(default)
+    };
+    film.spp = whole("spp", 1, 1 << 20, film.spp);
+    film.depth = whole("depth", 0, 1000, film.depth);
+    if let Some(value) = table.get("bits") {
+        match value.whole(0, u32::MAX) {
+            Some(8) => film.bits = 8,
+            Some(16) => film.bits = 16,
+            Some(_) => value.fail("`bits` must be 8 or 16").unwrap_or(()),
+            None => {}
+        }
+    }
+    film.exposure = table.number("exposure", Bounds::POSITIVE).unwrap_or(film.exposure);
+    table.finish();
+    film
+}
+
+/// Degrees between which the field of view lies.
+const FIELD_OF_VIEW: Bounds =
+    Bounds::new(|x| x > 0.0 && x < 180.0, "more than 0 and less than 180 degrees");
+
+pub(super) fn camera(value: Option<Value<'_>>, cx: &Context<'_>) -> Option<Camera> {
+    let Some(value) = value else {
+        let help = "write a table [camera] with `eye = [x, y, z]` and `look_at = [x, y, z]`";
+        cx.push(Diagnostic::error("the scene has no camera").help(help));
+        return None;
+    };
+    let table = value.table("a camera")?;
+    let eye = table.require("eye").and_then(|v| v.vector());
+    let look_at = table.require("look_at").and_then(|v| v.vector());
+    let up = match table.get("up") {
+        Some(v) => v.direction(),
+        None => Some(Vec3::Z),
+    };
+    #[derive(Clone, Copy)]
+    enum Kind {
+        Perspective,
+        Orthographic,
+    }
+    const KINDS: [(&str, Kind); 2] =
+        [("perspective", Kind::Perspective), ("orthographic", Kind::Orthographic)];
+    let kind = match table.get("projection") {
+        Some(v) => v.choice("projection", &KINDS),
+        None => Some(Kind::Perspective),
+    };
+    // With an unknown projection, the keys of both are known.
+    let fov = match kind {
+        Some(Kind::Orthographic) => None,
+        _ => match table.get("fov") {
+            Some(v) => v.number(FIELD_OF_VIEW),
+            None => Some(40.0),
+        },
+    };
+    let height = match kind {
+        Some(Kind::Perspective) => None,
+        Some(Kind::Orthographic) => {
+            table.require("height").and_then(|v| v.number(Bounds::POSITIVE))
+        }
+        None => table.number("height", Bounds::POSITIVE),
+    };
+    let radius = table.number("lens_radius", Bounds::NOT_NEGATIVE);
+    let focus = table.number("focus", Bounds::POSITIVE);
+    if let (true, Some(key)) = (!table.has("lens_radius"), table.key_span("focus")) {
+        let warning = Diagnostic::warning("`focus` has no meaning without a `lens_radius`");
+        cx.push(warning.at(key, "all distances are in focus"));
+    }
+    check_view(&table, eye, look_at, up, cx);
+    table.finish();
+    let (eye, look_at) = (eye?, look_at?);
+    let projection = match kind? {
+        Kind::Perspective => Projection::Perspective { fov: fov?.to_radians() },
+        Kind::Orthographic => Projection::Orthographic { height: height? },
+    };
+    let lens = radius
+        .filter(|r| *r > 0.0)
+        .map(|radius| Lens { radius, focus: focus.unwrap_or((look_at - eye).length()) });
+    Some(Camera { eye, look_at, up: up?, projection, lens })
+}
+
+fn check_view(
+    table: &Table<'_>,
+    eye: Option<Vec3>,
+    look_at: Option<Vec3>,
+    up: Option<Vec3>,
+    cx: &Context<'_>,
+) {
+    let (Some(eye), Some(look_at)) = (eye, look_at) else { return };
+    let view = look_at - eye;
+    let span = |key: &'static str| table.get(key).map_or_else(|| table.span(), |v| v.span());
+    if view.max_abs() == 0.0 || !view.is_finite() {
+        let error =
+            Diagnostic::error("the camera looks nowhere: `eye` and `look_at` are one point");
+        cx.push(error.at(span("look_at"), "").and_at(span("eye"), ""));
+        return;
+    }
+    let Some(up) = up else { return };
+    if is_parallel((view / view.max_abs()).normalized(), up) {
+        let error = Diagnostic::error("the camera looks along its own `up`");
+        let error = match table.get("up") {
+            Some(v) => error.at(v.span(), "parallel to the view"),
+            None => error.at(span("look_at"), "the view is parallel to the z axis"),
+        };
+        cx.push(
+            error.help("give an `up` that is not parallel to the line from `eye` to `look_at`"),
+        );
+    }
+}
+
+/// Whether two unit vectors are parallel as far as f64 can tell: each has been through up to eight
+/// roundings, and the cross product cancels what is left.
+fn is_parallel(a: Vec3, b: Vec3) -> bool {
+    a.cross(b).length() <= 2.0 * gamma(8)
+}
