@@ -193,11 +193,7 @@ impl Tally {
                 return;
             }
             let lost = found.len() < expected.len();
-            if lost {
-                self.lost += 1
-            } else {
-                self.extra += 1
-            }
+            *(if lost { &mut self.lost } else { &mut self.extra }) += 1;
             self.fail(|| {
                 let word = if lost { "lost" } else { "extra" };
                 format!(

@@ -84,10 +84,10 @@ pub fn random_profiles(rays: u64, random: &mut Random, tally: &mut Tally) {
             };
             tally.compare(&surface, &oracle, &ray, profile.bounds_solid());
         }
-        if tally.failures.len() > failures {
-            if let Some(last) = tally.failures.last_mut() {
-                last.push_str(&format!("\n  {profile:?}"));
-            }
+        if tally.failures.len() > failures
+            && let Some(last) = tally.failures.last_mut()
+        {
+            last.push_str(&format!("\n  {profile:?}"));
         }
     }
 }

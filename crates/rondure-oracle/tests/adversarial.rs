@@ -1,5 +1,7 @@
 //! Every degenerate ray and profile that the engine must simply cope with, by name, against the oracle.
 
+#![expect(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
+
 use rondure::{Point, Profile, ProfileErrorKind, Ray, Spline, Surface, Vec3};
 use rondure_oracle::{
     Oracle, Random, Tally,

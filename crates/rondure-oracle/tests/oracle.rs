@@ -37,7 +37,10 @@ fn lines_through_solids_hit_an_even_number_of_times() {
             let ray = random.line(oracle.center(), oracle.size());
             let hits = oracle.hits(&ray);
             let count: usize = hits.iter().map(|h| h.changes).sum();
-            assert!(!profile.bounds_solid() || count % 2 == 0, "{ray:?} {hits:?} {profile:?}");
+            assert!(
+                !profile.bounds_solid() || count.is_multiple_of(2),
+                "{ray:?} {hits:?} {profile:?}"
+            );
         }
     }
 }

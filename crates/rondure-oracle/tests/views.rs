@@ -1,6 +1,8 @@
 //! Small pictures of hits in the views in which other renderers of lathes draw wrong pixels, every pixel
 //! against the oracle; and the rays that leave the hits.
 
+#![expect(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
+
 use rondure::{Affine, Instance, Profile, Ray, Surface, Vec3};
 use rondure_oracle::{
     Oracle, Tally,
