@@ -92,7 +92,7 @@ fn no_root_is_missed_between_samples() {
             }
             let hits = oracle.hits(&ray);
             assert!(crossings <= hits.len(), "{name} {ray:?} {crossings} {hits:?}");
-            assert!(hits.len() - crossings <= 2 && (hits.len() - crossings) % 2 == 0);
+            assert!(hits.len() - crossings <= 2 && (hits.len() - crossings).is_multiple_of(2));
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What is told about a hit, and what must not change it.
 
-#![expect(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
+#![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
 use rondure::{Affine, Instance, Profile, Ray, Segment, Surface, Vec3};
 use rondure_oracle::{
