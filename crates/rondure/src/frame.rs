@@ -68,6 +68,12 @@ impl Frame {
         })
     }
 
+    /// The rows of the linear map from the world to the surface; `None` for the identity.
+    #[inline]
+    pub(crate) fn inverse(&self) -> Option<&[Vec3; 3]> {
+        self.inverse.as_ref()
+    }
+
     /// The ray in the surface's frame; `None` if it passes the surface at a distance, runs away from
     /// it, or is no ray.
     #[inline]

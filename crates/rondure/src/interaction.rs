@@ -2,7 +2,6 @@
 
 use core::f64::consts::TAU;
 
-use crate::arc_length::arc_length;
 use crate::frame::Frame;
 use crate::meridian::Meridian;
 use crate::{Affine, Hit, Ray, Surface, Vec3};
@@ -47,7 +46,7 @@ pub(crate) fn interaction(
     hit: &Hit,
 ) -> Interaction {
     let (profile, tangent) = surface.profile_at(hit);
-    let detail = &surface.details[hit.piece as usize];
+    let (curve, detail, s) = surface.curve_at(hit);
 
     // The hit lies on the circle of radius r exactly; the ray only tells in which direction.
     let line = Ray { t_min: f64::NEG_INFINITY, t_max: f64::INFINITY, ..*ray };
@@ -66,7 +65,7 @@ pub(crate) fn interaction(
     let (r, z) = (profile.r, profile.z + surface.center_z);
 
     let own_normal = Vec3::new(dz * cos, dz * sin, -dr) * detail.sense;
-    let normal = match placement.inverse_rows() {
+    let normal = match frame.inverse() {
         Some(rows) => {
             (rows[0] * own_normal.x + rows[1] * own_normal.y + rows[2] * own_normal.z).normalized()
         }
@@ -74,7 +73,7 @@ pub(crate) fn interaction(
     };
     let turn = sin.atan2(cos) / TAU;
     let u = if turn < 0.0 { turn + 1.0 } else { turn };
-    let along = detail.length_before + arc_length(&surface.pieces[hit.piece as usize], hit.s);
+    let along = detail.length_before + detail.length.until(curve, s);
     Interaction {
         point: placement.point(Vec3::new(r * cos, r * sin, z)),
         normal,

@@ -4,7 +4,7 @@
 //! Ray -> Frame: LocalRay -> Meridian -> ShellTree -> pieces -> root: (s, t) -> Hit -> Interaction
 //! ```
 
-use crate::arc_length::arc_length;
+use crate::arc_length::ArcLength;
 use crate::engine::{Engine, EngineOptions, Method, Polyline, Statistics, TreeNode};
 use crate::frame::{Frame, LocalRay, largest_stretch};
 use crate::interaction::{Interaction, interaction};
@@ -41,7 +41,7 @@ pub struct Surface {
     polyline: Option<Polyline>,
     /// The pieces in drawing order, lowered by `center_z`.
     pub(crate) pieces: Vec<Piece>,
-    /// What belongs to each piece but is of no use to the search.
+    /// What belongs to each piece, or to each curve of the polyline, but is of no use to the search.
     pub(crate) details: Vec<Detail>,
     pub(crate) center_z: f64,
     /// The radius of the sphere round the surface about its centre.
@@ -57,8 +57,9 @@ pub struct Surface {
 pub(crate) struct Detail {
     /// The segment of the profile that the piece was cut from.
     pub(crate) segment: u32,
-    /// The arc length of the profile before the piece.
+    /// The arc length of the profile before the piece, and that of the piece.
     pub(crate) length_before: f64,
+    pub(crate) length: ArcLength,
     /// 1 if the normal is to the right of the drawing direction, -1 if to the left.
     pub(crate) sense: f64,
 }
@@ -87,18 +88,18 @@ impl Surface {
         let mut pieces = Vec::new();
         let mut details = Vec::new();
         let mut segment = 0;
+        let mut length_before = 0.0;
         for (subpath, sense) in profile.subpaths().iter().zip(outward_senses(profile)) {
             for curve in subpath.segments() {
-                let before = pieces.len();
-                for piece in piece::cut(curve) {
-                    if exact {
-                        pieces.extend(refine(piece));
-                    } else {
-                        pieces.push(piece);
-                    }
+                let whole = piece::cut(curve).into_iter();
+                let parts: Vec<_> =
+                    if exact { whole.flat_map(refine).collect() } else { whole.collect() };
+                for piece in parts {
+                    let length = ArcLength::new(&piece);
+                    details.push(Detail { segment, length_before, length, sense });
+                    length_before += length.whole();
+                    pieces.push(piece);
                 }
-                let detail = Detail { segment, length_before: 0.0, sense };
-                details.extend(core::iter::repeat_n(detail, pieces.len() - before));
                 segment += 1;
             }
         }
@@ -113,26 +114,17 @@ impl Surface {
         for piece in &mut pieces {
             *piece = piece.lowered(center_z);
         }
+        // What lies on the axis sweeps nothing.
+        let swept = |p: &Piece| p.r != [0.0; 4];
+        if pieces.iter().any(swept) {
+            let mut of_details = pieces.iter().map(swept);
+            details.retain(|_| of_details.next() == Some(true));
+            pieces.retain(swept);
+        }
         let mut polyline = None;
         if !exact {
             let (sources, frusta) = Polyline::sample(pieces, options.samples);
-            polyline = Some(sources);
-            details = frusta.iter().map(|(i, _)| details[*i]).collect();
-            pieces = frusta.into_iter().map(|(_, frustum)| frustum).collect();
-        }
-        let mut length = 0.0;
-        for (detail, piece) in details.iter_mut().zip(&pieces) {
-            detail.length_before = length;
-            length += arc_length(piece, 1.0);
-        }
-        // What lies on the axis sweeps nothing.
-        let swept: Vec<bool> = pieces.iter().map(|p| p.r != [0.0; 4]).collect();
-        if swept.contains(&true) {
-            retain(&mut pieces, &swept);
-            retain(&mut details, &swept);
-            if let Some(polyline) = &mut polyline {
-                retain(&mut polyline.sources, &swept);
-            }
+            (polyline, pieces) = (Some(sources), frusta);
         }
         Self {
             profile: profile.clone(),
@@ -143,7 +135,7 @@ impl Surface {
             details,
             center_z,
             radius,
-            length,
+            length: length_before,
             r_max,
             z_range,
         }
@@ -194,7 +186,7 @@ impl Surface {
 
     /// The index of the profile's segment that a hit lies on, counted over all subpaths.
     pub fn segment(&self, hit: &Hit) -> usize {
-        self.details[hit.piece as usize].segment as usize
+        self.curve_at(hit).1.segment as usize
     }
 
     /// The hit with the smallest t in the ray's range, if there is one.
@@ -347,12 +339,6 @@ impl Surface {
     }
 }
 
-/// Keeps those items whose flag is set.
-fn retain<T>(items: &mut Vec<T>, flags: &[bool]) {
-    let mut flags = flags.iter();
-    items.retain(|_| flags.next() == Some(&true));
-}
-
 /// Halves a curved piece for the leaves of the tree.
 fn refine(piece: Piece) -> Vec<Piece> {
     let mut parts = vec![piece];
@@ -367,12 +353,27 @@ fn refine(piece: Piece) -> Vec<Piece> {
 }
 
 impl Surface {
+    /// The curve of the profile that a hit belongs to, what belongs to it, and the parameter on it.
+    pub(crate) fn curve_at(&self, hit: &Hit) -> (&Piece, &Detail, f64) {
+        let piece = hit.piece as usize;
+        match &self.polyline {
+            Some(polyline) => {
+                let (curve, s) = polyline.place(piece, hit.s);
+                (&polyline.curves[curve], &self.details[curve], s)
+            }
+            None => (&self.pieces[piece], &self.details[piece], hit.s),
+        }
+    }
+
     /// The point and the derivative by s of the profile at a hit, in the surface's own frame.
     pub(crate) fn profile_at(&self, hit: &Hit) -> (Point, Point) {
         let piece = &self.pieces[hit.piece as usize];
         let jet = piece.jet(hit.s);
-        let mut tangent = match &self.polyline {
-            Some(polyline) => polyline.tangent(hit.piece as usize, hit.s),
+        let mut tangent = match self.polyline {
+            Some(_) => {
+                let (curve, _, s) = self.curve_at(hit);
+                curve.jet(s).tangent
+            }
             None => jet.tangent,
         };
         if tangent == Point::default() {

@@ -1,7 +1,7 @@
 //! The profile as the paper has it: a chain of points, near enough to each other, whose chords sweep
 //! frusta.
 
-use crate::arc_length::arc_length;
+use crate::arc_length::ArcLength;
 use crate::piece::{Kind, Piece};
 use crate::profile::Point;
 
@@ -12,14 +12,14 @@ use crate::profile::Point;
 /// the point does, and shading is smooth.
 #[derive(Clone, Debug)]
 pub(crate) struct Polyline {
-    curves: Vec<Piece>,
+    pub(crate) curves: Vec<Piece>,
     /// One for each frustum.
-    pub(crate) sources: Vec<Source>,
+    sources: Vec<Source>,
 }
 
 /// The stretch of a curve that a frustum replaces.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Source {
+struct Source {
     curve: u32,
     /// The parameters on the curve of the frustum's ends.
     s: [f64; 2],
@@ -29,10 +29,10 @@ impl Polyline {
     /// Samples monotone pieces at about `samples` points in all: each piece gets its share by arc
     /// length, at least its two ends, evenly spaced in its parameter.
     ///
-    /// The second part are the frusta with the index of the piece that each comes from. The points
-    /// of a piece run in the direction in which the piece does: no rounding makes r or z turn.
-    pub(crate) fn sample(curves: Vec<Piece>, samples: u32) -> (Self, Vec<(usize, Piece)>) {
-        let lengths: Vec<f64> = curves.iter().map(|c| arc_length(c, 1.0)).collect();
+    /// The second part are the frusta. The points of a piece run in the direction in which the piece
+    /// does: no rounding makes r or z turn.
+    pub(crate) fn sample(curves: Vec<Piece>, samples: u32) -> (Self, Vec<Piece>) {
+        let lengths: Vec<f64> = curves.iter().map(|c| ArcLength::new(c).whole()).collect();
         let length: f64 = lengths.iter().sum();
         let mut frusta = Vec::new();
         let mut sources = Vec::new();
@@ -56,7 +56,7 @@ impl Polyline {
                         r: controls(from.r, to.r),
                         z: controls(from.z, to.z),
                     };
-                    frusta.push((i, frustum));
+                    frusta.push(frustum);
                     sources.push(Source { curve: i as u32, s: [s0, s1] });
                     (s0, from) = (s1, to);
                 }
@@ -65,10 +65,10 @@ impl Polyline {
         (Self { curves, sources }, frusta)
     }
 
-    /// The derivative of the curve, by its own parameter, at the place of a frustum's parameter s.
-    pub(crate) fn tangent(&self, frustum: usize, s: f64) -> Point {
+    /// The curve that a frustum comes from, and the parameter there that belongs to its s.
+    pub(crate) fn place(&self, frustum: usize, s: f64) -> (usize, f64) {
         let Source { curve, s: [s0, s1] } = self.sources[frustum];
-        self.curves[curve as usize].jet(s0 + (s1 - s0) * s).tangent
+        (curve as usize, s0 + (s1 - s0) * s)
     }
 }
 
