@@ -13,7 +13,7 @@ use super::strip_tree;
 use super::tree::{Leaf, Order, Tree};
 use crate::meridian::Meridian;
 use crate::piece::Piece;
-use crate::shell::{Cone, Cylinder, Hybrid, Intervals, Rectangle, Shell, Strip};
+use crate::shell::{Cone, Cylinder, Intervals, Rectangle, Shell, Strip, hybrid};
 
 /// By how much an intersection interval is widened, per unit of the surface's radius (the paper's
 /// delta in section 4.2): far more than the rounding of its ends, which the padding of the shells
@@ -33,7 +33,7 @@ pub(crate) enum Culling {
     Kj(Tree<Rectangle>),
     Cy(Tree<Cylinder>),
     Co(Tree<Cone>),
-    Hy(Tree<Hybrid>),
+    Hy(Tree<Cone>),
     Bs(Tree<Strip>),
 }
 
@@ -61,12 +61,12 @@ impl Frusta {
             Method::Exact | Method::Hy => {
                 let inner = |part: &[Piece]| match options.criterion {
                     Criterion::Area { cone_weight } => {
-                        Hybrid::least_area(part, radius, cone_weight)
+                        hybrid::least_area(part, radius, cone_weight)
                     }
-                    Criterion::Interval => Hybrid::least_interval(part, radius),
+                    Criterion::Interval => hybrid::least_interval(part, radius),
                 };
                 Culling::Hy(shell_tree::build(frusta, k, |part, role| match role {
-                    Role::Leaf => Cone::or_upright(part, radius).into(),
+                    Role::Leaf => Cone::or_upright(part, radius),
                     Role::Inner => inner(part),
                 }))
             }

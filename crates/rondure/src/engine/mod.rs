@@ -28,13 +28,13 @@ use self::frusta::Frusta;
 use self::tree::Tree;
 use crate::meridian::Meridian;
 use crate::piece::Piece;
-use crate::shell::Hybrid;
+use crate::shell::Cone;
 
 /// The part of an engine that searches.
 #[derive(Clone, Debug)]
 pub(crate) enum Engine {
     /// A tree with one piece in each leaf.
-    Exact(Tree<Hybrid>),
+    Exact(Tree<Cone>),
     /// The paper's methods, over frusta.
     Frusta(Box<Frusta>),
     /// Any engine, with its work counted.
@@ -106,7 +106,7 @@ impl Engine {
 
 #[inline]
 fn walk_exact<C: Count>(
-    tree: &Tree<Hybrid>,
+    tree: &Tree<Cone>,
     ray: &Meridian,
     range: [f64; 2],
     count: &mut C,

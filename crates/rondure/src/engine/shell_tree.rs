@@ -5,7 +5,7 @@ use core::ops::Range;
 
 use super::tree::{Leaf, Order, Tree};
 use crate::piece::Piece;
-use crate::shell::{Hybrid, Shell};
+use crate::shell::{Cone, Shell, hybrid};
 
 /// In which directions r and z run along a stretch; a coordinate that stays still runs in neither,
 /// and fits both.
@@ -69,8 +69,8 @@ pub(crate) enum Role {
 }
 
 /// The tree of the exact engine: leaves of one piece each.
-pub(crate) fn exact(pieces: &[Piece], radius: f64) -> Tree<Hybrid> {
-    build(pieces, u32::MAX, |part, _| Hybrid::least_area(part, radius, 1.0))
+pub(crate) fn exact(pieces: &[Piece], radius: f64) -> Tree<Cone> {
+    build(pieces, u32::MAX, |part, _| hybrid::least_area(part, radius, 1.0))
 }
 
 /// Builds the tree over pieces, of which there must be some, with up to 2^`halvings` leaves in each

@@ -5,9 +5,8 @@ use super::tree::{Link, Tree};
 use super::{Engine, frusta::Culling};
 use crate::meridian::Meridian;
 use crate::piece::Piece;
-use crate::shell::hybrid::Wall;
 use crate::shell::rectangle::Band;
-use crate::shell::{Cone, Cylinder, Hybrid, Rectangle, Shell, Strip};
+use crate::shell::{Cone, Cylinder, Rectangle, Shell, Strip};
 
 /// A node of an engine's tree, in depth-first order.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,7 +33,7 @@ pub enum Region {
     Cylinder {
         /// The heights of the planes.
         z: [f64; 2],
-        /// The squared radii, of which the first may be negative by rounding.
+        /// The squared radii.
         w: [f64; 2],
     },
     /// Between two planes and two cones: `offsets[0] <= rho - slope z <= offsets[1]`.
@@ -76,27 +75,18 @@ trait Show: Shell {
 
 impl Show for Cylinder {
     fn region(&self, raised: f64) -> Region {
-        Region::Cylinder { z: self.z.map(|z| z + raised), w: self.w }
+        Region::Cylinder { z: self.z.map(|z| z + raised), w: self.w.map(|w| w.max(0.0)) }
     }
 }
 
 impl Show for Cone {
     fn region(&self, raised: f64) -> Region {
-        Region::Cone {
-            z: self.z.map(|z| z + raised),
-            slope: self.slope,
-            offsets: self.offsets.map(|offset| offset - self.slope * raised),
+        let z = self.z.map(|z| z + raised);
+        if self.slope == 0.0 {
+            return Region::Cylinder { z, w: self.offsets.map(|r| r.max(0.0).powi(2)) };
         }
-    }
-}
-
-impl Show for Hybrid {
-    fn region(&self, raised: f64) -> Region {
-        let z = self.z;
-        match self.wall {
-            Wall::Cylinder { w } => Cylinder { z, w }.region(raised),
-            Wall::Cone { slope, offsets } => Cone { z, slope, offsets }.region(raised),
-        }
+        let offsets = self.offsets.map(|offset| offset - self.slope * raised);
+        Region::Cone { z, slope: self.slope, offsets }
     }
 }
 
@@ -104,7 +94,7 @@ impl Show for Strip {
     fn region(&self, raised: f64) -> Region {
         Region::Strip {
             z: self.cylinder.z.map(|z| z + raised),
-            w: self.cylinder.w,
+            w: self.cylinder.w.map(|w| w.max(0.0)),
             p: self.p,
             range: self.range.map(|bound| bound - self.p * raised),
         }

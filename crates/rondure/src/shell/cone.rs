@@ -34,12 +34,16 @@ impl Cone {
         Some(Self { z: heights(pieces, radius), slope, offsets })
     }
 
-    /// The shell round some pieces; where the chord is horizontal, the cones of slope 0.
+    /// The cylinder shell round some pieces, as two cones of slope 0: the same region but for the
+    /// padding, and the same test as any other cone shell.
+    pub(crate) fn upright(pieces: &[Piece], radius: f64) -> Self {
+        let ([low, high], pad) = (ends(pieces, |p| p.r), padding(radius));
+        Self { z: heights(pieces, radius), slope: 0.0, offsets: [low - pad, high + pad] }
+    }
+
+    /// The shell round some pieces; where the chord is horizontal, the upright one.
     pub(crate) fn or_upright(pieces: &[Piece], radius: f64) -> Self {
-        Self::around(pieces, radius).unwrap_or_else(|| {
-            let ([low, high], pad) = (ends(pieces, |p| p.r), padding(radius));
-            Self { z: heights(pieces, radius), slope: 0.0, offsets: [low - pad, high + pad] }
-        })
+        Self::around(pieces, radius).unwrap_or_else(|| Self::upright(pieces, radius))
     }
 
     /// The area of the shell's section with the half plane.
@@ -56,18 +60,56 @@ impl Shell for Cone {
     }
 
     fn intervals(&self, ray: &Meridian, stretch: [f64; 2]) -> Intervals {
-        cone_intervals(self.slope, self.offsets, ray, stretch)
+        let [inner, outer] = self.offsets.map(|offset| inside_cone(self.slope, offset, ray));
+        Intervals::between(stretch, outer, inner)
+    }
+}
+
+/// The walls of a cone along a ray: with L = slope z + offset, l its value at t = 0 and g its
+/// derivative by t, and rho^2 = X^2 + delta^2, rho <= L becomes
+///
+/// ```text
+/// U t^2 + 2 V t + W <= 0,   U = speed^2 - g^2,   V = speed X(0) - g l,   W = rho(0)^2 - l^2,
+/// V^2 - U W = (speed l - g X(0))^2 - delta^2 U
+/// ```
+///
+/// (equation 11 of the paper, in ray parameters). The other nappe, rho <= -L, satisfies it too. Where
+/// U > 0 both roots lie on one nappe, and in their middle L has the sign of speed l - g X(0).
+struct Crossing {
+    l: f64,
+    g: f64,
+    u: f64,
+    v: f64,
+    /// speed l - g X(0).
+    across: f64,
+    discriminant: f64,
+}
+
+impl Crossing {
+    #[inline]
+    fn new(slope: f64, offset: f64, ray: &Meridian) -> Self {
+        let (l, g) = (slope * ray.oz + offset, slope * ray.dz);
+        let u = ray.speed * ray.speed - g * g;
+        let v = ray.speed * ray.offset - g * l;
+        let across = ray.speed * l - g * ray.offset;
+        Self { l, g, u, v, across, discriminant: across * across - ray.delta2 * u }
+    }
+
+    /// Whether a ray that is outside the cone at both ends of a stretch is inside it in between.
+    #[inline]
+    fn dips_between(&self, [lo, hi]: [f64; 2]) -> bool {
+        // The middle between the roots, -V / U, lies within the stretch.
+        self.u > 0.0
+            && self.across >= 0.0
+            && self.discriminant >= 0.0
+            && self.u * lo + self.v < 0.0
+            && self.u * hi + self.v > 0.0
     }
 }
 
 /// Whether a stretch of the ray has a point between two cones.
 #[inline]
-pub(super) fn between_cones(
-    slope: f64,
-    [inner, outer]: [f64; 2],
-    ray: &Meridian,
-    [lo, hi]: [f64; 2],
-) -> bool {
+fn between_cones(slope: f64, [inner, outer]: [f64; 2], ray: &Meridian, [lo, hi]: [f64; 2]) -> bool {
     let w = [lo, hi].map(|t| {
         let x = ray.offset + ray.speed * t;
         x * x + ray.delta2
@@ -81,58 +123,22 @@ pub(super) fn between_cones(
         let rho = axial[i] + outer;
         rho >= 0.0 && w[i] <= rho * rho
     };
-    (beyond(0) || beyond(1)) && (within(0) || within(1) || dips_within(ray, slope, outer, [lo, hi]))
+    (beyond(0) || beyond(1))
+        && (within(0) || within(1) || Crossing::new(slope, outer, ray).dips_between([lo, hi]))
 }
 
-/// Whether rho - slope z, which exceeds `outer` at both ends of a stretch of the ray, turns between
-/// them and reaches `outer` there.
-///
-/// With g = slope dz its derivative speed X / rho - g vanishes at X = g delta / sqrt(speed^2 - g^2),
-/// where rho = speed delta / sqrt(speed^2 - g^2).
-fn dips_within(ray: &Meridian, slope: f64, outer: f64, [lo, hi]: [f64; 2]) -> bool {
-    let g = slope * ray.dz;
-    let rest = ray.speed * ray.speed - g * g;
-    if rest <= 0.0 {
-        return false;
-    }
-    let scale = (ray.delta2 / rest).sqrt();
-    let t = (g * scale - ray.offset) / ray.speed;
-    lo < t && t < hi && ray.speed * scale <= slope * (ray.oz + t * ray.dz) + outer
-}
-
-/// Where a stretch of the ray lies between two cones.
-#[inline]
-pub(super) fn cone_intervals(
-    slope: f64,
-    offsets: [f64; 2],
-    ray: &Meridian,
-    stretch: [f64; 2],
-) -> Intervals {
-    let [inner, outer] = offsets.map(|offset| inside_cone(slope, offset, ray));
-    Intervals::between(stretch, outer, inner)
-}
-
-/// Where the ray lies inside a cone, rho <= L with L = slope z + offset: an interval, as rho is
-/// convex.
-///
-/// Squared this becomes U t^2 + 2 V t + W <= 0, which also holds inside the other nappe, rho <= -L
-/// (equation 11 of the paper, in ray parameters). With l the value of L at t = 0, g its derivative
-/// and rho^2 = X^2 + delta^2, the discriminant is (speed l - g X(0))^2 - delta^2 U.
+/// Where the ray lies inside a cone, rho <= slope z + offset: an interval, as rho is convex.
 fn inside_cone(slope: f64, offset: f64, ray: &Meridian) -> Option<[f64; 2]> {
-    const EVERYWHERE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
-    let (a, b, c) = ray.squared_distance();
-    let (l, g) = (slope * ray.oz + offset, slope * ray.dz);
-    let (u, v, w) = (a - g * g, b - g * l, c - l * l);
-    let across = ray.speed * l - g * ray.offset;
-    let discriminant = across * across - ray.delta2 * u;
+    let Crossing { l, g, u, v, across, discriminant } = Crossing::new(slope, offset, ray);
+    let (_, _, c) = ray.squared_distance();
+    let w = c - l * l;
     if u > 0.0 {
-        // Both roots lie on one nappe: between them rho <= |L|, so that L does not vanish.
-        let [t0, t1] = roots(u, v, w, discriminant)?;
-        return (l + g * (0.5 * t0 + 0.5 * t1) >= 0.0).then_some([t0, t1]);
+        return if across >= 0.0 { roots(u, v, w, discriminant) } else { None };
     }
     if g == 0.0 {
         // Parallel to the axis and to the wall.
-        return (l >= 0.0 && w <= 0.0).then_some(EVERYWHERE);
+        let inside = l >= 0.0 && w <= 0.0;
+        return inside.then_some([f64::NEG_INFINITY, f64::INFINITY]);
     }
     // The ray is at least as steep as the cone, and inside each nappe from one root on.
     let [below, above] = if u < 0.0 {

@@ -20,11 +20,6 @@ impl Cylinder {
         let pad = padding(radius) * radius;
         Self { z: heights(pieces, radius), w: [r[0] * r[0] - pad, r[1] * r[1] + pad] }
     }
-
-    /// The area of the shell's section with the half plane.
-    pub(crate) fn area(&self) -> f64 {
-        (self.z[1] - self.z[0]) * (self.w[1].sqrt() - self.w[0].max(0.0).sqrt())
-    }
 }
 
 impl Shell for Cylinder {
@@ -34,24 +29,18 @@ impl Shell for Cylinder {
     }
 
     fn intervals(&self, ray: &Meridian, stretch: [f64; 2]) -> Intervals {
-        cylinder_intervals(self.w, ray, stretch)
+        let (a, b, c) = ray.squared_distance();
+        let [inner, outer] = self.w.map(|w| sublevel(a, b, c - w));
+        Intervals::between(stretch, outer, inner)
     }
 }
 
 /// Whether a stretch of the ray has a point between two cylinders, given by their squared radii.
 #[inline]
-pub(super) fn between_cylinders([w0, w1]: [f64; 2], ray: &Meridian, [lo, hi]: [f64; 2]) -> bool {
+fn between_cylinders([w0, w1]: [f64; 2], ray: &Meridian, [lo, hi]: [f64; 2]) -> bool {
     let x = [ray.offset + ray.speed * lo, ray.offset + ray.speed * hi];
     let w = x.map(|x| x * x + ray.delta2);
     let turns = x[0] < 0.0 && x[1] > 0.0;
     let nearest = if turns { ray.delta2 } else { w[0].min(w[1]) };
     w[0].max(w[1]) >= w0 && nearest <= w1
-}
-
-/// Where a stretch of the ray lies between two cylinders.
-#[inline]
-pub(super) fn cylinder_intervals(w: [f64; 2], ray: &Meridian, stretch: [f64; 2]) -> Intervals {
-    let (a, b, c) = ray.squared_distance();
-    let [inner, outer] = w.map(|w| sublevel(a, b, c - w));
-    Intervals::between(stretch, outer, inner)
 }

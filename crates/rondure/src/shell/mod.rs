@@ -22,7 +22,6 @@ pub(crate) mod strip;
 
 pub(crate) use cone::Cone;
 pub(crate) use cylinder::Cylinder;
-pub(crate) use hybrid::Hybrid;
 pub(crate) use interval::Intervals;
 pub(crate) use rectangle::Rectangle;
 pub(crate) use strip::Strip;

@@ -72,14 +72,20 @@ impl Band {
         (self.q * a, self.q * b + 0.5 * self.p * ray.dz, self.q * c + self.p * ray.oz)
     }
 
-    /// Whether a stretch of the ray has a point in the band.
+    /// The smallest and the largest value of the coordinate on a stretch of the ray.
     #[inline]
-    fn meets(&self, (a, b, c): (f64, f64, f64), [lo, hi]: [f64; 2]) -> bool {
+    fn extremes((a, b, c): (f64, f64, f64), [lo, hi]: [f64; 2]) -> [f64; 2] {
         let value = |t: f64| (a * t + 2.0 * b) * t + c;
         let (first, last) = (value(lo), value(hi));
-        first.max(last) >= self.range[0]
-            && (first.min(last) <= self.range[1]
-                || (a * lo + b < 0.0 && a * hi + b > 0.0 && c - b * b / a <= self.range[1]))
+        let turns = a * lo + b < 0.0 && a * hi + b > 0.0;
+        let lowest = if turns { c - b * b / a } else { first.min(last) };
+        [lowest, first.max(last)]
+    }
+
+    /// Whether values between two extremes, all of which are taken, reach into the band.
+    #[inline]
+    fn reached(&self, [lowest, highest]: [f64; 2]) -> bool {
+        highest >= self.range[0] && lowest <= self.range[1]
     }
 
     /// Where a stretch of the ray lies in the band.
@@ -94,17 +100,27 @@ impl Shell for Rectangle {
     #[inline]
     fn meet(&self, ray: &Meridian, range: [f64; 2]) -> Option<[f64; 2]> {
         let across = self.across.along_ray(ray);
-        if !self.across.meets(across, range) {
+        if !self.across.reached(Band::extremes(across, range)) {
             return None;
         }
         let along = self.along.along_ray(ray);
-        if !self.along.meets(along, range) {
+        let extremes = Band::extremes(along, range);
+        if !self.along.reached(extremes) {
             return None;
         }
-        // Of the parts of the parabola between the rectangle's ends, those that meet its sides.
+        // The parts of the parabola between the rectangle's ends; roots only where it passes them.
+        let inside = |bound: f64| sublevel(along.0, along.1, along.2 - bound);
+        let outer = if extremes[1] > self.along.range[1] {
+            inside(self.along.range[1])
+        } else {
+            Some([f64::NEG_INFINITY, f64::INFINITY])
+        };
+        let inner =
+            if extremes[0] < self.along.range[0] { inside(self.along.range[0]) } else { None };
+        // Of those, the ones that meet its sides.
         let mut met: Option<[f64; 2]> = None;
-        for part in self.along.intervals(along, range).iter() {
-            if self.across.meets(across, *part) {
+        for part in Intervals::between(range, outer, inner).iter() {
+            if self.across.reached(Band::extremes(across, *part)) {
                 met = Some([met.map_or(part[0], |m| m[0]), part[1]]);
             }
         }
