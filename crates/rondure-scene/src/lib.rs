@@ -6,6 +6,7 @@
 mod color;
 mod decode;
 mod diagnostic;
+mod engine;
 mod file;
 mod model;
 mod profile;
