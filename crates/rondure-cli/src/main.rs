@@ -3,7 +3,10 @@
 //! One module per subcommand; [`failure`] is how all of them fail.
 
 mod check;
+mod engine;
 mod failure;
+mod interrupt;
+mod paper;
 mod profile;
 mod progress;
 mod render;
@@ -28,6 +31,7 @@ enum Command {
     Render(render::Render),
     Check(check::Check),
     Trace(trace::Trace),
+    Paper(paper::Paper),
 }
 
 const EXAMPLES: &str = "\
@@ -45,6 +49,7 @@ fn main() -> ExitCode {
         Command::Render(render) => render.run(),
         Command::Check(check) => check.run(),
         Command::Trace(trace) => trace.run(),
+        Command::Paper(paper) => paper.run(),
     };
     failure::exit_code(outcome)
 }

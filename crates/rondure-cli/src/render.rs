@@ -4,18 +4,17 @@ use std::{
     ffi::OsStr,
     path::{Path, PathBuf},
     str::FromStr,
-    sync::{
-        Arc,
-        atomic::{AtomicBool, Ordering},
-    },
     time::Instant,
 };
 
 use clap::Args;
+use rondure::EngineOptions;
 use rondure_render::{Picture, RenderError, Settings, WriteError, render};
 
 use crate::{
-    failure::{Failure, INTERRUPTED},
+    engine::EngineArgs,
+    failure::Failure,
+    interrupt,
     progress::{Watcher, seconds},
     scene,
     threads::Threads,
@@ -49,6 +48,9 @@ pub(crate) struct Render {
 
     #[command(flatten)]
     threads: Threads,
+
+    #[command(flatten)]
+    engine: EngineArgs,
 
     /// Chooses other random numbers: another noise in the picture
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -87,10 +89,14 @@ impl Render {
         if let Some(spp) = self.spp {
             scene.film.spp = spp;
         }
+        let engine = self.engine.options();
+        if engine != EngineOptions::default() {
+            scene.set_engine(&engine);
+        }
         let output = self.output()?;
         check_place(&output)?;
 
-        let cancelled = stop_on_interrupt();
+        let cancelled = interrupt::flag();
         let watcher = Watcher::new(self.quiet, &cancelled);
         let settings = Settings { threads: self.threads.number(), seed: self.seed };
         let start = Instant::now();
@@ -147,21 +153,6 @@ fn check_place(output: &Path) -> Result<(), Failure> {
         .tempfile_in(folder)
         .and_then(tempfile::NamedTempFile::close)
         .map_err(|error| Failure::unwritable(output, &error))
-}
-
-/// A flag that Ctrl-C sets. The second Ctrl-C does not wait any more.
-fn stop_on_interrupt() -> Arc<AtomicBool> {
-    let cancelled = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&cancelled);
-    let handler = move || {
-        if flag.swap(true, Ordering::Relaxed) {
-            std::process::exit(INTERRUPTED.into());
-        }
-    };
-    if let Err(error) = ctrlc::set_handler(handler) {
-        anstream::eprintln!("warning: Ctrl-C will stop the work at once: {error}");
-    }
-    cancelled
 }
 
 fn cannot_render(error: RenderError) -> Failure {

@@ -1,2 +1,4 @@
 //! placeholder
-pub fn all() -> Vec<(&'static str, String)> { Vec::new() }
+pub fn all() -> Vec<(&'static str, String)> {
+    Vec::new()
+}

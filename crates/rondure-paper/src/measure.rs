@@ -161,11 +161,7 @@ fn scene_with(
         let mut counted = scene.clone();
         counted.set_engine(&EngineOptions { counted: true, ..*engine });
         let own = step.run(|progress| render(&counted, &settings, progress))?;
-        runs.push(Run {
-            engine: *engine,
-            seconds: Vec::new(),
-            work: counted.engine_statistics(),
-        });
+        runs.push(Run { engine: *engine, seconds: Vec::new(), work: counted.engine_statistics() });
         let mut plain = scene.clone();
         plain.set_engine(engine);
         ready.push(plain);

@@ -210,7 +210,11 @@ impl Report {
             let name = choices.first().map_or(String::new(), |c| c.engine.method.name().into());
             line(
                 text,
-                &format!("| {} | {} |", name.to_uppercase(), cells(&|c| format!("{:.0}", c.nanoseconds))),
+                &format!(
+                    "| {} | {} |",
+                    name.to_uppercase(),
+                    cells(&|c| format!("{:.0}", c.nanoseconds))
+                ),
             );
             let work = cells(&|c| {
                 let (tests, solves) = (c.work.shell_tests, c.work.leaf_solves);

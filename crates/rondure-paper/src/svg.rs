@@ -66,11 +66,7 @@ impl Svg {
         let (dx, dy) = ((b[0] - a[0]) / length, (b[1] - a[1]) / length);
         let size = 4.0 + 2.5 * width;
         let base = [b[0] - size * dx, b[1] - size * dy];
-        self.line(
-            a,
-            base,
-            &format!("fill=\"none\" stroke=\"{color}\" stroke-width=\"{width}\""),
-        );
+        self.line(a, base, &format!("fill=\"none\" stroke=\"{color}\" stroke-width=\"{width}\""));
         let half = 0.38 * size;
         let head = [
             b,

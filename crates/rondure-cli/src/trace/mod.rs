@@ -25,6 +25,7 @@ use self::{
     rays::{Columns, LineError, Parsed},
 };
 use crate::{
+    engine::EngineArgs,
     failure::{Excerpt, Failure, report},
     profile::ProfileArgs,
     threads::Threads,
@@ -44,6 +45,9 @@ pub(crate) struct Trace {
     /// Print all hits of a ray, not just the closest
     #[arg(long)]
     all: bool,
+
+    #[command(flatten)]
+    engine: EngineArgs,
 
     #[command(flatten)]
     threads: Threads,
@@ -73,7 +77,7 @@ const BLOCKS_PER_THREAD: usize = 8;
 
 impl Trace {
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        let surface = Surface::new(&self.profile.read()?);
+        let surface = Surface::with_engine(&self.profile.read()?, &self.engine.options());
         let (name, input) = open(&self.rays)?;
         let pool = self.threads.pool()?;
         let at_once = BLOCKS_PER_THREAD * pool.current_num_threads();
