@@ -23,6 +23,9 @@ use crate::piece::{Kind, Piece};
 /// Reports every hit of the whole line on a piece, as (s, t), in no particular order.
 #[inline]
 pub(crate) fn hits(piece: &Piece, ray: &Meridian, mut report: impl FnMut(f64, f64)) {
+    if piece.kind == Kind::Line && misses_line(piece, ray) {
+        return;
+    }
     let x = piece.z.map(|z| ray.x(z));
     if ray.steep || (x[0] >= 0.0) == (x[3] >= 0.0) {
         let stretch = Stretch { r: piece.r, x, weights: Weights::of(piece.kind), s: [0.0, 1.0] };
@@ -30,6 +33,17 @@ pub(crate) fn hits(piece: &Piece, ray: &Meridian, mut report: impl FnMut(f64, f6
     } else {
         hits_across(piece, ray, &x, &mut report);
     }
+}
+
+/// Whether the coefficients of F on a straight piece, as [`Stretch`] has them, are all of one sign, and
+/// the ray's closest approach to the axis lies elsewhere. Most rays miss most frusta of a polyline.
+#[inline]
+fn misses_line(piece: &Piece, ray: &Meridian) -> bool {
+    let (r, x) = ([piece.r[0], piece.r[3]], [ray.x(piece.z[0]), ray.x(piece.z[3])]);
+    let across = !ray.steep && (x[0] >= 0.0) != (x[1] >= 0.0);
+    let negative = |i: usize, j: usize| ray.form([x[i], x[j]], [r[i], r[j]]) < 0.0;
+    let [first, middle, last] = [negative(0, 0), negative(0, 1), negative(1, 1)];
+    !across && first == middle && middle == last
 }
 
 /// The hits of a shallow ray whose closest approach to the axis lies within the heights of the piece.
