@@ -22,7 +22,7 @@ pub fn all() -> [(&'static str, String); 4] {
 }
 
 /// A vase, two units high, whose outline turns four times.
-const VASE: &str = "M 0 0 L 0.55 0 C 0.5 0.12 0.98 0.4 0.92 0.85 C 0.86 1.3 0.3 1.3 0.3 1.62 \
+const VASE: &str = "M 0 0 L 0.55 0 C 0.3 0.22 0.98 0.4 0.92 0.85 C 0.86 1.3 0.3 1.3 0.3 1.62 \
                     C 0.3 1.8 0.44 1.92 0.6 2";
 
 /// A part of a profile that bulges.

@@ -7,7 +7,7 @@ use super::{CURVE, CYLINDER, FAINT, INK, RAY, WALL, area, dashed, stroke, surfac
 use crate::svg::Svg;
 
 pub(super) fn figure() -> String {
-    let mut svg = Svg::new(900.0, 560.0);
+    let mut svg = Svg::new(920.0, 580.0);
     let Some(surface) = surface(WALL, Method::Cy, 60, 0) else { return svg.finish() };
     let nodes = surface.tree();
     let Some(root) = nodes.first() else { return svg.finish() };
@@ -19,23 +19,26 @@ pub(super) fn figure() -> String {
     let panels = [
         ("(a) one interval", vec![("a", line(1.38, 0.52, 0.1)), ("b", line(1.12, 0.86, 0.1))]),
         ("(b) two intervals", vec![("c", line(0.35, 0.78, 0.2))]),
-        ("(c) none", vec![("d", line(1.72, 0.8, 0.12))]),
+        ("(c) none", vec![("d", line(1.68, 0.8, 0.22))]),
     ];
     let (r_inner, r_outer) = (0.9, 1.55);
     for (i, (title, rays)) in panels.into_iter().enumerate() {
-        let left = 25.0 + 295.0 * i as f64;
+        let left = 25.0 + 302.0 * i as f64;
         svg.text(
             [left + 130.0, 26.0],
             "text-anchor=\"middle\" font-size=\"15\" font-weight=\"bold\"",
             title,
         );
+        let small = format!("text-anchor=\"middle\" fill=\"{FAINT}\" font-size=\"12\"");
+        svg.text([left + 130.0, 268.0], &small, "seen along the axis");
+        svg.text([left + 130.0, 524.0], &small, "in the half plane");
         // From above: two circles and a line.
         let (center, unit) = ([left + 130.0, 150.0], 62.0);
         svg.dot(center, unit * r_outer, &area(CYLINDER, 0.14, 1.4));
         svg.dot(center, unit * r_inner, &format!("fill=\"#fff\" {}", &stroke(CYLINDER, 1.4)[12..]));
         svg.dot(center, 1.8, &format!("fill=\"{FAINT}\""));
-        let plane = HalfPlane { origin: [left + 45.0, 500.0], unit: 112.0 };
-        plane.axes(&mut svg, 1.95, [0.15, 1.6]);
+        let plane = HalfPlane { origin: [left + 45.0, 495.0], unit: 118.0 };
+        plane.axes(&mut svg, 2.1, [0.12, 1.62]);
         plane.region(&mut svg, &root.region, &area(CYLINDER, 0.14, 1.4));
         plane.profile(&mut svg, &ends, &stroke(CURVE, 2.2));
         for (j, (name, ray)) in rays.iter().enumerate() {
@@ -48,7 +51,7 @@ pub(super) fn figure() -> String {
             let [x, y] = above(visible[0]);
             svg.text([x - 4.0, y - 7.0], &format!("fill=\"{RAY}\" font-style=\"italic\""), name);
             // In the half plane: a branch of a hyperbola.
-            let reach = (1.85_f64.powi(2) - ray.origin.y.powi(2)).max(0.01).sqrt();
+            let reach = (1.95_f64.powi(2) - ray.origin.y.powi(2)).max(0.01).sqrt();
             let shown = [2.0 - reach, 2.0 + reach];
             let path = plane.meridian(ray, shown);
             svg.path(path.clone(), false, &stroke(RAY, 1.2));
@@ -83,14 +86,11 @@ pub(super) fn figure() -> String {
             }
         }
     }
-    let small = format!("fill=\"{FAINT}\" font-size=\"12\"");
-    svg.text([25.0, 262.0], &small, "along the axis");
-    svg.text([25.0, 300.0], &small, "in the half plane");
-    legend(&mut svg, [60.0, 545.0], INK, 2.2, "profile");
-    svg.rect([165.0, 534.0], [24.0, 13.0], &area(CYLINDER, 0.14, 1.4));
-    svg.text([197.0, 545.0], "", "between the two cylinders of the shell");
-    legend(&mut svg, [455.0, 545.0], RAY, 5.0, "intersection interval, and on the axis");
-    svg.dot([770.0, 541.0], 3.8, &format!("fill=\"#fff\" stroke=\"{RAY}\" stroke-width=\"2\""));
-    svg.text([782.0, 545.0], "", "hit");
+    legend(&mut svg, [60.0, 562.0], INK, 2.2, "profile");
+    svg.rect([165.0, 551.0], [24.0, 13.0], &area(CYLINDER, 0.14, 1.4));
+    svg.text([197.0, 562.0], "", "between the two cylinders of the shell");
+    legend(&mut svg, [475.0, 562.0], RAY, 5.0, "intersection interval, and on the axis");
+    svg.dot([795.0, 558.0], 3.8, &format!("fill=\"#fff\" stroke=\"{RAY}\" stroke-width=\"2\""));
+    svg.text([807.0, 562.0], "", "hit");
     svg.finish()
 }

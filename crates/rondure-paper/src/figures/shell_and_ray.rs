@@ -47,7 +47,7 @@ impl View {
 }
 
 pub(super) fn figure() -> String {
-    let mut svg = Svg::new(760.0, 470.0);
+    let mut svg = Svg::new(860.0, 370.0);
     let (Some(surface), Some(cones)) =
         (surface(WALL, Method::Cy, 9, 0), surface(WALL, Method::Co, 9, 0))
     else {
@@ -55,12 +55,12 @@ pub(super) fn figure() -> String {
     };
     let shells = [surface.tree(), cones.tree()];
     let ends: Vec<_> = surface.piece_ends().collect();
-    let ray = Ray::line(Vec3::new(-2.3, -0.75, 1.32), Vec3::new(4.4, 1.2, -0.95));
+    let ray = Ray::line(Vec3::new(-2.08, -0.69, 1.2725), Vec3::new(4.2, 1.1455, -0.9068));
     let mut hits = Vec::new();
     surface.all(&ray, &mut hits);
 
     for (i, name) in ["cylinder shell (CY)", "cone shell (CO)"].into_iter().enumerate() {
-        let view = View { origin: [190.0 + 380.0 * i as f64, 345.0], unit: 104.0 };
+        let view = View { origin: [215.0 + 430.0 * i as f64, 245.0], unit: 100.0 };
         let (engine, color) = [(&surface, CYLINDER), (&cones, CONE)][i];
         let Some(root) = shells[i].first() else { continue };
         let walls = match root.region {
@@ -102,10 +102,10 @@ pub(super) fn figure() -> String {
         let [x, _] = view.origin;
         svg.text([x, 28.0], "text-anchor=\"middle\" font-size=\"15\" font-weight=\"bold\"", name);
     }
-    legend(&mut svg, [70.0, 432.0], INK, 2.0, "profile");
-    legend(&mut svg, [170.0, 432.0], "#3a9a5b", 8.0, "frusta that the ray meets");
-    legend(&mut svg, [390.0, 432.0], RAY, 5.0, "intersection interval");
-    svg.dot([600.0, 428.0], 4.2, &format!("fill=\"#fff\" stroke=\"{RAY}\" stroke-width=\"2\""));
-    svg.text([612.0, 432.0], "", "hits");
+    legend(&mut svg, [120.0, 347.0], INK, 2.0, "profile");
+    legend(&mut svg, [220.0, 347.0], "#3a9a5b", 8.0, "frusta that the ray meets");
+    legend(&mut svg, [440.0, 347.0], RAY, 5.0, "intersection interval");
+    svg.dot([655.0, 343.0], 4.2, &format!("fill=\"#fff\" stroke=\"{RAY}\" stroke-width=\"2\""));
+    svg.text([667.0, 347.0], "", "hits");
     svg.finish()
 }

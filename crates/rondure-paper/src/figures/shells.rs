@@ -19,6 +19,11 @@ pub(super) fn figure() -> String {
         let color = |region: &Region| {
             if matches!(region, Region::Cone { .. }) { CONE } else { CYLINDER }
         };
+        for node in nodes.iter().filter(|n| n.depth <= 1) {
+            let outline =
+                format!("{} stroke-dasharray=\"1.5 3.5\"", stroke(color(&node.region), 1.6));
+            plane.region(&mut svg, &node.region, &outline);
+        }
         for i in &whole {
             let region = &nodes[*i].region;
             let outline = format!("{} stroke-dasharray=\"6 4\"", area(color(region), 0.07, 1.2));
@@ -33,14 +38,18 @@ pub(super) fn figure() -> String {
         let bold = "text-anchor=\"middle\" font-size=\"15\" font-weight=\"bold\"";
         svg.text([x, 28.0], bold, name);
     }
-    for (x, color, text) in [(60.0, CYLINDER, "cylinder shell"), (220.0, CONE, "cone shell")] {
+    for (x, color, text) in [(30.0, CYLINDER, "cylinder shell"), (160.0, CONE, "cone shell")] {
         svg.rect([x, 566.0], [22.0, 13.0], &area(color, 0.30, 0.9));
         svg.text([x + 30.0, 577.0], "", text);
     }
-    let dash = "stroke-dasharray=\"6 4\"";
-    svg.rect([380.0, 566.0], [22.0, 13.0], &format!("{} {dash}", area("#5b6472", 0.07, 1.2)));
-    svg.text([410.0, 577.0], "", "of a whole monotone interval");
-    svg.rect([630.0, 566.0], [22.0, 13.0], &area("#5b6472", 0.30, 0.9));
-    svg.text([660.0, 577.0], "", "of a leaf, a quarter of an interval");
+    let gray = "#5b6472";
+    let dots = format!("{} stroke-dasharray=\"1.5 3.5\"", stroke(gray, 1.6));
+    svg.rect([275.0, 566.0], [22.0, 13.0], &dots);
+    svg.text([305.0, 577.0], "", "of the root and its children");
+    let dashes = format!("{} stroke-dasharray=\"6 4\"", area(gray, 0.07, 1.2));
+    svg.rect([500.0, 566.0], [22.0, 13.0], &dashes);
+    svg.text([530.0, 577.0], "", "of a monotone interval");
+    svg.rect([700.0, 566.0], [22.0, 13.0], &area(gray, 0.30, 0.9));
+    svg.text([730.0, 577.0], "", "of a leaf, a quarter of an interval");
     svg.finish()
 }

@@ -33,7 +33,12 @@ pub(super) fn figure() -> String {
             let [x, y] = plane.at(p.r, p.z);
             // Beside the curve; under it where it is level.
             let level = node.rising.is_some_and(|[_, z]| z.is_none());
-            let place = if level { [x - 6.0, y + 22.0] } else { [x + 12.0, y + 12.0] };
+            let leans_back = node.rising.is_some_and(|[r, _]| r == Some(false));
+            let place = match (level, leans_back) {
+                (true, _) => [x - 6.0, y + 20.0],
+                (_, true) => [x + 10.0, y - 4.0],
+                _ => [x + 12.0, y + 12.0],
+            };
             let style = format!("fill=\"{color}\" font-weight=\"bold\" font-style=\"italic\"");
             svg.text(place, &style, subscript("C", n + 1));
         }
@@ -102,8 +107,8 @@ pub(super) fn figure() -> String {
     let square = format!("rx=\"3\" stroke=\"{INK}\" stroke-width=\"1.5\" fill=\"{INK}\"");
     svg.rect([513.0, 528.0], [14.0, 14.0], &format!("{square} fill-opacity=\"0.25\""));
     key(&mut svg, [520.0, 535.0], "monotone interval C, halved");
-    svg.rect([733.0, 528.0], [14.0, 14.0], &square);
-    key(&mut svg, [740.0, 535.0], "leaf: its points, how \u{3c1} and z run");
+    svg.rect([753.0, 528.0], [14.0, 14.0], &square);
+    key(&mut svg, [760.0, 535.0], "leaf: its points, how \u{3c1} and z run");
     let bold = "font-size=\"15\" font-weight=\"bold\"";
     svg.text([90.0, 28.0], bold, "profile");
     svg.text([left, 28.0], bold, "tree");
