@@ -27,7 +27,8 @@ Examples:
   rondure paper --quick                       small pictures, one run each
   rondure paper --ablate --out paper          everything, into the folder `paper`
 
-Leave the machine alone meanwhile: the times are those of the clock.")]
+Times are those on the processor, summed over all threads. Leave the machine alone meanwhile: other
+work still takes caches and clock rate away.")]
 pub(crate) struct Paper {
     /// The folder to write to; it is made if it is not there
     #[arg(short, long, value_name = "DIR")]

@@ -3,8 +3,7 @@
 //! Every profile is shot at by the same random lines, uniformly distributed among those that meet
 //! the sphere round it. All configurations are timed in turn, over and over; the shortest time counts.
 
-use std::time::Instant;
-
+use cpu_time::ThreadTime;
 use rondure::engine::{Criterion, Statistics};
 use rondure::{EngineOptions, Method, Profile, Ray, Surface, Vec3};
 use rondure_render::{Progress, RenderError};
@@ -17,7 +16,7 @@ use crate::measure::Options;
 pub struct Choice {
     /// The engine.
     pub engine: EngineOptions,
-    /// The time for one ray, in nanoseconds.
+    /// The time for one ray on the processor, in nanoseconds.
     pub nanoseconds: f64,
     /// The work for all rays.
     pub work: Statistics,
@@ -92,7 +91,7 @@ pub(crate) fn measure(
     let mut best = vec![f64::INFINITY; engines.len()];
     for round in 0..ROUNDS {
         for (best, surfaces) in best.iter_mut().zip(&ready) {
-            let start = Instant::now();
+            let start = ThreadTime::now();
             std::hint::black_box(shoot(surfaces, &rays));
             *best = best.min(start.elapsed().as_secs_f64());
         }

@@ -1,7 +1,6 @@
 //! Renders both scenes with every method, times them, and counts their work.
 
-use std::time::Instant;
-
+use cpu_time::ProcessTime;
 use rondure::engine::Statistics;
 use rondure::{EngineOptions, Method};
 use rondure_render::{Picture, Progress, RenderError, Settings, render};
@@ -47,7 +46,7 @@ impl Default for Options {
 pub struct Run {
     /// The engine.
     pub engine: EngineOptions,
-    /// The time of each repetition, in seconds.
+    /// The time of each repetition on the processor, summed over all threads, in seconds.
     pub seconds: Vec<f64>,
     /// The work of one picture.
     pub work: Statistics,
@@ -175,7 +174,7 @@ fn scene_with(
     }
     for _ in 0..options.repetitions {
         for (run, scene) in runs.iter_mut().zip(&ready) {
-            let start = Instant::now();
+            let start = ProcessTime::now();
             step.run(|progress| render(scene, &settings, progress))?;
             run.seconds.push(start.elapsed().as_secs_f64());
         }

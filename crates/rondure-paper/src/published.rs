@@ -33,9 +33,3 @@ pub(crate) fn entry(scene: usize, method: Method, subdivided: bool) -> Option<Pu
     };
     Some(Published { seconds, visited, intersections })
 }
-
-/// The paper's speed-up over KJ.
-pub(crate) fn speed_up(scene: usize, method: Method, subdivided: bool) -> Option<f64> {
-    let own = entry(scene, method, subdivided)?;
-    Some(entry(scene, Method::Kj, true)?.seconds / own.seconds)
-}

@@ -10,6 +10,7 @@ use rondure_render::Picture;
 
 use crate::ablation::{Ablation, Choice};
 use crate::measure::{Measured, Options, Run, TO_SINGLE_FRUSTA};
+use crate::published::Published as Printed;
 use crate::{figures, published};
 
 /// Everything that was measured.
@@ -97,63 +98,67 @@ impl Report {
             &format!(
                 "{objects} objects of {profiles} profiles, {size}x{size} pixels, profiles of about \
                  {samples} points, intervals in 2^{subdivide} leaves where subdivided; best of \
-                 {repetitions} interleaved runs, {threads}; {:.2} million searches for hits per \
+                 {repetitions} interleaved runs, {threads}, time on the processor summed over all \
+                 threads; {:.2} million searches for hits per \
                  picture. \"a / b\" is subdivided / not.\n",
                 rays as f64 / 1e6
             ),
         );
+        let Some(reference) = scene.find(Method::Kj, TO_SINGLE_FRUSTA) else { return };
+        let (t, tests) = (reference.best(), reference.work.shell_tests as f64);
         line(
             text,
             "| shells | time / s | time / % | visited nodes / % | shell tests / 10^6 | positive \
-             tests / 10^6 | leaf solves / 10^6 | speed-up over KJ | tests relative to KJ | paper: \
-             time / s | paper: time / % | paper: visited / % | paper: tests / 10^6 | paper: \
-             speed-up | paper: tests relative to KJ |",
+             tests / 10^6 | leaf solves / 10^6 |",
         );
-        line(text, &format!("|{}", " --- |".repeat(15)));
-        let Some(reference) = scene.find(Method::Kj, TO_SINGLE_FRUSTA) else { return };
-        for (name, runs) in self.rows(scene) {
-            let cell = |f: &dyn Fn(&Run) -> String| {
-                runs.iter().map(|run| f(run)).collect::<Vec<_>>().join(" / ")
-            };
+        line(text, &format!("|{}", " --- |".repeat(7)));
+        let rows = self.rows(scene);
+        for (name, runs) in &rows {
             let millions = |n: u64| format!("{:.2}", n as f64 / 1e6);
-            let (t, tests) = (reference.best(), reference.work.shell_tests as f64);
-            let mut cells = vec![
-                name.to_owned(),
-                cell(&|r| format!("{:.2}", r.best())),
-                cell(&|r| format!("{:.0}", 100.0 * (t - r.best()) / r.best())),
-                cell(&|r| {
+            let cells = [
+                name.to_string(),
+                both(runs, |r| format!("{:.2}", r.best())),
+                both(runs, |r| format!("{:.0}", 100.0 * (t - r.best()) / r.best())),
+                both(runs, |r| {
                     let share = r.work.nodes_visited as f64 / r.work.nodes_there as f64;
                     format!("{:.2}", 100.0 * share)
                 }),
-                cell(&|r| millions(r.work.shell_tests)),
-                cell(&|r| millions(r.work.positive_tests)),
-                cell(&|r| millions(r.work.leaf_solves)),
-                cell(&|r| format!("{:.2}", t / r.best())),
-                cell(&|r| format!("{:.2}", r.work.shell_tests as f64 / tests)),
+                both(runs, |r| millions(r.work.shell_tests)),
+                both(runs, |r| millions(r.work.positive_tests)),
+                both(runs, |r| millions(r.work.leaf_solves)),
             ];
-            let one = runs.len() == 1;
-            let kajiya = |run: &Run| run.engine.subdivide == TO_SINGLE_FRUSTA;
-            let printed = |f: &dyn Fn(&Run, published::Published) -> String| {
-                let entries: Vec<_> = runs
-                    .iter()
-                    .filter(|run| run.engine.method != Method::Kj || (one && kajiya(run)))
-                    .filter_map(|run| {
-                        let subdivided = run.engine.subdivide > 0;
-                        published::entry(i, run.engine.method, subdivided).map(|e| f(run, e))
-                    })
-                    .collect();
-                if entries.is_empty() { "-".into() } else { entries.join(" / ") }
+            line(text, &format!("| {} |", cells.join(" | ")));
+        }
+        line(
+            text,
+            "\nBeside the paper:\n\n| shells | speed-up over KJ | paper | shell tests relative to KJ \
+             | paper | paper: time / s | paper: time / % | paper: visited nodes / % | paper: \
+             intersections / 10^6 |",
+        );
+        line(text, &format!("|{}", " --- |".repeat(9)));
+        for (name, runs) in &rows {
+            let printed = |f: &dyn Fn(Printed, Printed) -> String| {
+                both(runs, |r| {
+                    // The paper's KJ is Kajiya's own.
+                    let own =
+                        r.engine.method != Method::Kj || r.engine.subdivide == TO_SINGLE_FRUSTA;
+                    let subdivided = r.engine.subdivide > 0;
+                    let entry = published::entry(i, r.engine.method, subdivided).filter(|_| own);
+                    let pair = entry.zip(published::entry(i, Method::Kj, true));
+                    pair.map_or("-".into(), |(own, kj)| f(own, kj))
+                })
             };
-            let kj = published::entry(i, Method::Kj, true);
-            let over = |f: &dyn Fn(published::Published) -> f64, e: published::Published| {
-                kj.map_or(f64::NAN, |kj| f(kj) / f(e))
-            };
-            cells.push(printed(&|_, e| format!("{:.2}", e.seconds)));
-            cells.push(printed(&|_, e| format!("{:.0}", 100.0 * (over(&|e| e.seconds, e) - 1.0))));
-            cells.push(printed(&|_, e| format!("{:.2}", e.visited)));
-            cells.push(printed(&|_, e| format!("{:.2}", e.intersections)));
-            cells.push(printed(&|_, e| format!("{:.2}", over(&|e| e.seconds, e))));
-            cells.push(printed(&|_, e| format!("{:.2}", 1.0 / over(&|e| e.intersections, e))));
+            let cells = [
+                name.to_string(),
+                both(runs, |r| format!("{:.2}", t / r.best())),
+                printed(&|own, kj| format!("{:.2}", kj.seconds / own.seconds)),
+                both(runs, |r| format!("{:.3}", r.work.shell_tests as f64 / tests)),
+                printed(&|own, kj| format!("{:.3}", own.intersections / kj.intersections)),
+                printed(&|own, _| format!("{:.2}", own.seconds)),
+                printed(&|own, kj| format!("{:.2}", 100.0 * (kj.seconds / own.seconds - 1.0))),
+                printed(&|own, _| format!("{:.2}", own.visited)),
+                printed(&|own, _| format!("{:.2}", own.intersections)),
+            ];
             line(text, &format!("| {} |", cells.join(" | ")));
         }
         let frusta = scene.runs.iter().filter(|run| run.engine.method != Method::Exact).count();
@@ -177,14 +182,14 @@ impl Report {
     /// The rows of a table: a name, and the runs that share it, subdivided first.
     fn rows<'a>(&self, scene: &'a Measured) -> Vec<(&'static str, Vec<&'a Run>)> {
         let of = |method, k: &[u32]| k.iter().filter_map(|k| scene.find(method, *k)).collect();
-        let both = [self.options.subdivide, 0];
+        let both_ways = [self.options.subdivide, 0];
         vec![
             ("KJ, to single frusta", of(Method::Kj, &[TO_SINGLE_FRUSTA])),
-            ("KJ, leaves as the others", of(Method::Kj, &both)),
-            ("CY", of(Method::Cy, &both)),
-            ("CO", of(Method::Co, &both)),
-            ("HY", of(Method::Hy, &both)),
-            ("BS (ours)", of(Method::Bs, &both)),
+            ("KJ, leaves as the others", of(Method::Kj, &both_ways)),
+            ("CY", of(Method::Cy, &both_ways)),
+            ("CO", of(Method::Co, &both_ways)),
+            ("HY", of(Method::Hy, &both_ways)),
+            ("BS (ours)", of(Method::Bs, &both_ways)),
             ("exact (ours)", of(Method::Exact, &[0])),
         ]
     }
@@ -336,6 +341,15 @@ fn criterion_name(engine: &EngineOptions) -> String {
         (Method::Hy, Criterion::Interval) => "interval".into(),
         _ => String::new(),
     }
+}
+
+/// One entry, or those of the subdivided and the other run; a single `-` where there is none.
+fn both(runs: &[&Run], entry: impl Fn(&Run) -> String) -> String {
+    let mut entries: Vec<String> = runs.iter().map(|run| entry(run)).collect();
+    if entries.iter().all(|e| e == "-") {
+        entries.truncate(1);
+    }
+    entries.join(" / ")
 }
 
 fn line(text: &mut String, line: &str) {

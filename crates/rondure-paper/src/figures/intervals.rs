@@ -7,7 +7,7 @@ use super::{CURVE, CYLINDER, FAINT, INK, RAY, WALL, area, dashed, stroke, surfac
 use crate::svg::Svg;
 
 pub(super) fn figure() -> String {
-    let mut svg = Svg::new(920.0, 580.0);
+    let mut svg = Svg::new(930.0, 580.0);
     let Some(surface) = surface(WALL, Method::Cy, 60, 0) else { return svg.finish() };
     let nodes = surface.tree();
     let Some(root) = nodes.first() else { return svg.finish() };
@@ -38,7 +38,7 @@ pub(super) fn figure() -> String {
         svg.dot(center, unit * r_inner, &format!("fill=\"#fff\" {}", &stroke(CYLINDER, 1.4)[12..]));
         svg.dot(center, 1.8, &format!("fill=\"{FAINT}\""));
         let plane = HalfPlane { origin: [left + 45.0, 495.0], unit: 118.0 };
-        plane.axes(&mut svg, 2.1, [0.12, 1.62]);
+        plane.axes(&mut svg, 1.98, [0.12, 1.62]);
         plane.region(&mut svg, &root.region, &area(CYLINDER, 0.14, 1.4));
         plane.profile(&mut svg, &ends, &stroke(CURVE, 2.2));
         for (j, (name, ray)) in rays.iter().enumerate() {

@@ -9,7 +9,7 @@ use super::{FAINT, INK, INTERVALS, VASE, stroke, surface};
 use crate::svg::{P, Svg};
 
 pub(super) fn figure() -> String {
-    let mut svg = Svg::new(1000.0, 560.0);
+    let mut svg = Svg::new(1010.0, 560.0);
     let Some(surface) = surface(VASE, Method::Hy, 40, 1) else { return svg.finish() };
     let nodes = surface.tree();
     let whole = intervals(&nodes);
