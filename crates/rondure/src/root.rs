@@ -335,6 +335,7 @@ fn bracketed_root(
 ) -> f64 {
     let mut s = if lo < guess && guess < hi { guess } else { 0.5 * (lo + hi) };
     let mut last_step = hi - lo;
+    let mut converging = false;
     loop {
         // The parameter is between 0 and 1: it cannot be known better.
         if hi - lo <= 2.0 * UNIT_ROUNDOFF || !(lo < s && s < hi) {
@@ -351,13 +352,24 @@ fn bracketed_root(
         }
         let newton = s - value / derivative;
         let step = (newton - s).abs();
+        let ratio = step / last_step;
         // Also false where the derivative vanishes and the quotient is NaN.
-        let good = lo <= newton && newton <= hi && 2.0 * step <= last_step;
-        let next = if good { newton } else { 0.5 * (lo + hi) };
-        last_step = (next - s).abs();
-        if good && step <= 2.0 * UNIT_ROUNDOFF {
-            return next;
+        let good = lo <= newton && newton <= hi && ratio <= 0.5;
+        if !good {
+            s = 0.5 * (lo + hi);
+            last_step = 0.5 * (hi - lo);
+            converging = false;
+            continue;
         }
-        s = next;
+        s = newton;
+        // Newton steps shrink as step' = c step^2. What the last two say of c may be too little by
+        // chance, and 16 is more than it is away from a tangency.
+        let c = (ratio / last_step).max(16.0);
+        let rest = if converging { c * step * step } else { step };
+        if rest <= 0.5 * UNIT_ROUNDOFF {
+            return s;
+        }
+        last_step = step;
+        converging = true;
     }
 }
