@@ -8,7 +8,7 @@ use std::{
 };
 
 use clap::Args;
-use rondure_scene::{Projection, Scene, Shape};
+use rondure_scene::{Projection, Scene, Shape, Sky};
 
 use crate::{failure::Failure, scene};
 
@@ -39,12 +39,13 @@ impl Check {
                 }
                 Err(failure) => {
                     failure.tell();
+                    anstream::eprintln!();
                     bad += 1;
                 }
             }
         }
         if self.scenes.len() > 1 && bad > 0 {
-            anstream::eprintln!("\n{bad} of {} scenes cannot be rendered", self.scenes.len());
+            anstream::eprintln!("{bad} of {} scenes cannot be rendered", self.scenes.len());
         }
         if bad > 0 { Err(Failure::Reported) } else { Ok(()) }
     }
@@ -97,7 +98,7 @@ impl<'a> Contents<'a> {
 
 impl fmt::Display for Contents<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Scene { film, camera, lights, materials, objects, .. } = self.scene;
+        let Scene { film, camera, sky, lights, materials, objects } = self.scene;
         let projection = match camera.projection {
             Projection::Perspective { fov } => {
                 format!("perspective, field of view {:.3}°", fov.to_degrees())
@@ -136,7 +137,9 @@ impl fmt::Display for Contents<'_> {
             }
         }
         writeln!(f, "  materials  {}", materials.len())?;
-        write!(f, "  lights     {} and the sky", lights.len())
+        let dark = matches!(sky, Sky::Constant { color } if *color == [0.0; 3]);
+        let sky = if dark { "" } else { " and the sky" };
+        write!(f, "  lights     {}{sky}", lights.len())
     }
 }
 

@@ -2,8 +2,11 @@
 
 use std::{
     io::{IsTerminal, Write, stderr},
-    sync::atomic::{AtomicBool, AtomicU64, Ordering},
-    time::Instant,
+    sync::{
+        Mutex,
+        atomic::{AtomicBool, AtomicU64, Ordering},
+    },
+    time::{Duration, Instant},
 };
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -19,14 +22,31 @@ pub(crate) struct Watcher<'a> {
 
 enum Display {
     Bar(ProgressBar),
-    Lines(Instant),
+    Lines(Mutex<Lines>),
     None,
+}
+
+struct Lines {
+    start: Instant,
+    latest: Instant,
+}
+
+impl Lines {
+    fn advance(&mut self, done: f64) {
+        if self.latest.elapsed() < BETWEEN_LINES {
+            return;
+        }
+        self.latest = Instant::now();
+        let left = self.start.elapsed().as_secs_f64() * (1.0 - done) / done;
+        // Whoever does not want to read it need not.
+        drop(writeln!(stderr(), "{} %, {} left", (100.0 * done).floor(), seconds(left)));
+    }
 }
 
 /// How finely progress is shown by a bar.
 const STEPS: u64 = 1000;
-/// After how many steps there is another line.
-const STEPS_PER_LINE: u64 = 100;
+/// How long after a line there is another.
+const BETWEEN_LINES: Duration = Duration::from_secs(2);
 
 impl<'a> Watcher<'a> {
     pub(crate) fn new(quiet: bool, cancelled: &'a AtomicBool) -> Self {
@@ -40,7 +60,8 @@ impl<'a> Watcher<'a> {
             }
             Display::Bar(bar)
         } else {
-            Display::Lines(Instant::now())
+            let start = Instant::now();
+            Display::Lines(Mutex::new(Lines { start, latest: start }))
         };
         Self { display, reached: AtomicU64::new(0), cancelled }
     }
@@ -62,12 +83,9 @@ impl Progress for Watcher<'_> {
         }
         match &self.display {
             Display::Bar(bar) => bar.set_position(now),
-            Display::Lines(start) => {
-                if now / STEPS_PER_LINE > before / STEPS_PER_LINE && now < STEPS {
-                    let left = start.elapsed().as_secs_f64() * (1.0 - done) / done;
-                    let percent = (100.0 * done).floor();
-                    // Whoever does not want to read it need not.
-                    drop(writeln!(stderr(), "{percent} %, {} left", seconds(left)));
+            Display::Lines(lines) => {
+                if let Ok(mut lines) = lines.try_lock() {
+                    lines.advance(done);
                 }
             }
             Display::None => {}
@@ -81,7 +99,10 @@ impl Progress for Watcher<'_> {
 
 /// A time for people.
 pub(crate) fn seconds(time: f64) -> String {
-    if time < 60.0 {
+    if time < 0.9995 {
+        return format!("{:.0} ms", 1e3 * time);
+    }
+    if time < 59.95 {
         return format!("{time:.1} s");
     }
     let whole = time.round() as u64;
@@ -99,7 +120,10 @@ mod tests {
 
     #[test]
     fn times_are_readable() {
-        let found = [0.0123, 59.94, 61.0, 3599.4, 7290.0].map(seconds);
-        assert_eq!(found, ["0.0 s", "59.9 s", "1 min 1 s", "59 min 59 s", "2 h 1 min"]);
+        let found = [0.0123, 0.9994, 59.94, 59.96, 61.0, 3599.4, 7290.0].map(seconds);
+        assert_eq!(
+            found,
+            ["12 ms", "999 ms", "59.9 s", "1 min 0 s", "1 min 1 s", "59 min 59 s", "2 h 1 min"]
+        );
     }
 }

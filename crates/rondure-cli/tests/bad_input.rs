@@ -2,6 +2,8 @@
 //!
 //! The snapshots are meant to be read: a gallery of everything that can be said.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on fails")]
+
 mod common;
 
 use std::fmt::Write;
@@ -152,5 +154,60 @@ fn files_that_never_end() {
     let mut case = |title: &str, arguments: &str| show(&mut gallery, &desk, title, arguments, 1);
     case("endless profile", "trace endless.path --rays rays.csv");
     case("endless rays", "trace cone.path --rays endless.path");
+    insta::assert_snapshot!(gallery);
+}
+
+#[test]
+fn scenes() {
+    const CAMERA: &str =
+        "[camera]\neye = [6, 0, 3]\nlook_at = [0, 0, 1]\n[sky]\ncolor = \"white\"\n";
+    let desk = Desk::new();
+    desk.file("folder.toml/file", "");
+    let mut gallery = String::new();
+    let mut case = |title: &str, text: &[u8]| {
+        desk.file("scene.toml", text);
+        show(&mut gallery, &desk, title, "check scene.toml", 1);
+    };
+    let scene = |rest: &str| [CAMERA, rest].concat().into_bytes();
+
+    case("empty", b"");
+    case("not TOML", b"this is a scene");
+    case("a string that does not end", &scene("[materials.clay]\ntype = \"matte\n"));
+    case("key twice", b"[camera]\neye = [6, 0, 3]\neye = [6, 0, 3]\n");
+    case("not UTF-8", b"# caf\xe9\n");
+    case("no camera", b"[film]\nspp = 3\n");
+    case("camera without an eye", b"[camera]\nlook_at = [0, 0, 1]\n");
+    case("unknown table", &scene("[fim]\nspp = 3\n"));
+    case("unknown key", &scene("[film]\nsp = 3\n"));
+    case("wrong type", &scene("[film]\nspp = \"many\"\n"));
+    case("zero samples", &scene("[film]\nspp = 0\n"));
+    case("a film without area", &scene("[film]\nsize = [0, 600]\n"));
+    case("vector of two", b"[camera]\neye = [6, 0]\nlook_at = [0, 0, 1]\n");
+    case("infinite number", b"[camera]\neye = [6, 0, inf]\nlook_at = [0, 0, 1]\n");
+    case("unknown kind of light", &scene("[[light]]\ntype = \"torch\"\n"));
+    case("unknown kind of material", &scene("[materials.a]\ntype = \"mat\"\ncolor = \"red\"\n"));
+    case("unknown colour", &scene("[materials.a]\ntype = \"matte\"\ncolor = \"rad\"\n"));
+    case(
+        "colour with too few digits",
+        &scene("[materials.a]\ntype = \"matte\"\ncolor = \"#12\"\n"),
+    );
+    case("unknown material", &scene("[[object]]\ntype = \"plane\"\nmaterial = \"clay\"\n"));
+    case("unknown shape", &scene("[[object]]\ntype = \"sphere2\"\n"));
+    case("unknown profile", &scene("[[object]]\nprofile = \"vase\"\n"));
+    case("missing profile file", &scene("[[object]]\nprofile = { file = \"vase.path\" }\n"));
+    case(
+        "profile across the axis",
+        &scene("[profiles.a]\npath = \"M 1 0\\nL -1 2\"\n[[object]]\nprofile = \"a\"\n"),
+    );
+    case("several things at once", b"[film]\nspp = -1\nbits = 12\n[camera]\neye = 3\nfv = 40\n");
+    show(&mut gallery, &desk, "missing file", "check none.toml", 1);
+    show(&mut gallery, &desk, "folder", "check folder.toml", 1);
+    show(&mut gallery, &desk, "rendering a bad scene", "render scene.toml", 1);
+    show(&mut gallery, &desk, "rendering no file", "render none.toml", 1);
+    show(&mut gallery, &desk, "no scene", "render", 2);
+    show(&mut gallery, &desk, "size without a height", "render scene.toml --size 800", 2);
+    show(&mut gallery, &desk, "no samples", "render scene.toml --spp 0", 2);
+    show(&mut gallery, &desk, "negative seed", "render scene.toml --seed=-1", 2);
+    assert!(!desk.path("scene.png").exists());
     insta::assert_snapshot!(gallery);
 }

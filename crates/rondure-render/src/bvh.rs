@@ -12,6 +12,7 @@ const BINS: usize = 16;
 /// at most 2^32 leaves no path is longer than [`STACK`].
 const HEURISTIC_DEPTH: usize = 30;
 const STACK: usize = 64;
+const SMALL_STACK: usize = 12;
 /// The cost of visiting a node, in units of a shape's test: turned shapes are dear.
 const NODE_COST: f64 = 0.25;
 
@@ -29,6 +30,7 @@ struct Node {
 pub(crate) struct Bvh {
     nodes: Vec<Node>,
     order: Vec<u32>,
+    depth: usize,
 }
 
 struct Item {
@@ -43,7 +45,7 @@ impl Bvh {
             .into_iter()
             .map(|(index, bounds)| Item { bounds, center: bounds.center(), index })
             .collect();
-        let mut bvh = Self { nodes: Vec::new(), order: Vec::with_capacity(items.len()) };
+        let mut bvh = Self { nodes: Vec::new(), order: Vec::with_capacity(items.len()), depth: 0 };
         if !items.is_empty() {
             bvh.nodes.push(Node { bounds: Bounds::EMPTY, first: 0, count: 0 });
             bvh.fill(0, &mut items, 0);
@@ -56,6 +58,7 @@ impl Bvh {
     }
 
     fn fill(&mut self, node: usize, items: &mut [Item], depth: usize) {
+        self.depth = self.depth.max(depth);
         let bounds = items.iter().fold(Bounds::EMPTY, |all, item| all.union(&item.bounds));
         match split(items, &bounds, depth) {
             None => {
@@ -78,11 +81,25 @@ impl Bvh {
     /// `visit` answers true; it may shorten the ray, whose `t_max` is read again. The ray's range
     /// must not begin before 0.
     #[inline]
-    pub(crate) fn walk(&self, ray: &mut Ray, mut visit: impl FnMut(u32, &mut Ray) -> bool) -> bool {
+    pub(crate) fn walk(&self, ray: &mut Ray, visit: impl FnMut(u32, &mut Ray) -> bool) -> bool {
+        // Most trees are low; clearing the large stack would cost more than walking them.
+        if self.depth <= SMALL_STACK {
+            self.walk_with::<SMALL_STACK>(ray, visit)
+        } else {
+            self.walk_with::<STACK>(ray, visit)
+        }
+    }
+
+    #[inline]
+    fn walk_with<const N: usize>(
+        &self,
+        ray: &mut Ray,
+        mut visit: impl FnMut(u32, &mut Ray) -> bool,
+    ) -> bool {
         let Some(root) = self.nodes.first() else { return false };
         let slabs = Slabs::new(ray);
         let Some(entry) = slabs.enter(&root.bounds, ray) else { return false };
-        let mut stack = [(0_u32, 0.0_f64); STACK];
+        let mut stack = [(0_u32, 0.0_f64); N];
         let mut top = 0;
         let mut current = (0_u32, entry);
         loop {

@@ -16,9 +16,9 @@ use crate::{
     finish::{Finish, Pattern},
     fresnel,
     light::Incoming,
-    sampler::{Key, Sample},
+    sampler::{Key, SPLIT_BITS, Sample},
     warp::{self, Frame},
-    world::{Leave, Role, World},
+    world::{Role, World},
 };
 
 /// The least weight of a path that follows both reflection and refraction.
@@ -127,7 +127,17 @@ pub(crate) struct Tracer<'a> {
     pub(crate) world: &'a World,
     pub(crate) depth: u32,
     pub(crate) sample: Sample,
+    /// How many samples the lights with extent get at the first surface, as a power of two.
+    pub(crate) split_bits: u32,
     pub(crate) statistics: Statistics,
+}
+
+/// The number of light samples in a pixel that is enough for soft shadows to look smooth.
+const SMOOTH: u32 = 256;
+
+/// The split of samples at the first surface that brings few samples a pixel nearer to [`SMOOTH`].
+pub(crate) fn split_bits(spp: u32) -> u32 {
+    (SMOOTH / spp.max(1)).checked_ilog2().unwrap_or(0).min(SPLIT_BITS)
 }
 
 impl Tracer<'_> {
@@ -316,7 +326,7 @@ impl Tracer<'_> {
         // Rounding may turn a grazing direction to the wrong side, by as little as it is off.
         let off = direction.dot(side);
         let direction = if off < 0.0 { direction - side * (2.0 * off) } else { direction };
-        let ray = place.surface.leave(direction);
+        let ray = place.surface.spawn(direction);
         self.radiance(&ray, next) * weight
     }
 
@@ -343,29 +353,60 @@ impl Tracer<'_> {
     fn direct(&mut self, place: &Place<'_>, reflected: impl Fn(&Incoming) -> (Rgb, Rgb)) -> Rgb {
         let mut sum = Rgb::BLACK;
         for (i, lamp) in (0..).zip(&self.world.lamps) {
-            let u = if lamp.has_extent() {
-                self.sample.pair(place.path.key.child(LAMPS + i))
-            } else {
-                (0.5, 0.5)
-            };
-            let Some(incoming) = lamp.sample(place.surface.point, u) else { continue };
-            if !(incoming.direction.dot(place.normal) > 0.0) {
+            if !lamp.has_extent() {
+                if let Some(incoming) = lamp.sample(place.surface.point, (0.5, 0.5)) {
+                    sum += self.arriving(place, &incoming, &reflected);
+                }
                 continue;
             }
-            let (always, free) = reflected(&incoming);
-            if always.is_black() && free.is_black() {
-                continue;
-            }
-            let ray = place.surface.leave(incoming.direction).with_range(0.0, incoming.distance);
-            self.statistics.shadow_rays += 1;
-            let passed = self.world.transmittance(&ray);
-            if passed == Rgb::WHITE {
-                sum += incoming.light * (always + free);
-            } else if !passed.is_black() {
-                sum += incoming.light * passed * always;
-            }
+            let key = place.path.key.child(LAMPS + i);
+            sum += self.split(place.path, |tracer, sample| {
+                match lamp.sample(place.surface.point, sample.pair(key)) {
+                    Some(incoming) => tracer.arriving(place, &incoming, &reflected),
+                    None => Rgb::BLACK,
+                }
+            });
         }
         sum
+    }
+
+    /// The mean over the samples that a light with extent gets at this place of the path.
+    #[inline]
+    fn split(&mut self, path: &Path, mut one: impl FnMut(&mut Self, Sample) -> Rgb) -> Rgb {
+        let bits = if path.depth == 0 { self.split_bits } else { 0 };
+        let mut sum = Rgb::BLACK;
+        for part in 0..1 << bits {
+            let sample = self.sample.part(part, bits);
+            sum += one(self, sample);
+        }
+        sum / f64::from(1 << bits)
+    }
+
+    /// What one sample of a lamp adds.
+    #[inline]
+    fn arriving(
+        &mut self,
+        place: &Place<'_>,
+        incoming: &Incoming,
+        reflected: &impl Fn(&Incoming) -> (Rgb, Rgb),
+    ) -> Rgb {
+        if !(incoming.direction.dot(place.normal) > 0.0) {
+            return Rgb::BLACK;
+        }
+        let (always, free) = reflected(incoming);
+        if always.is_black() && free.is_black() {
+            return Rgb::BLACK;
+        }
+        let ray = place.surface.spawn(incoming.direction).with_range(0.0, incoming.distance);
+        self.statistics.shadow_rays += 1;
+        let passed = self.world.transmittance(&ray);
+        if passed == Rgb::WHITE {
+            incoming.light * (always + free)
+        } else if passed.is_black() {
+            Rgb::BLACK
+        } else {
+            incoming.light * passed * always
+        }
     }
 
     /// The light of the sky on a diffuse surface, whose reflectance depends on the cosine.
@@ -373,14 +414,18 @@ impl Tracer<'_> {
         if self.world.sky.is_black() {
             return Rgb::BLACK;
         }
-        let local = warp::cosine_hemisphere(self.sample.pair(place.path.key.child(SKY)));
-        let direction = Frame::new(place.normal).to_world(local);
-        let light = self.world.sky.radiance(direction) * reflectance(local.z);
-        // At the very horizon rounding decides on which side the direction lies.
-        if light.is_black() || !(direction.dot(place.normal) > 0.0) {
-            return Rgb::BLACK;
-        }
-        self.statistics.shadow_rays += 1;
-        light * self.world.transmittance(&place.surface.leave(direction))
+        let key = place.path.key.child(SKY);
+        let frame = Frame::new(place.normal);
+        self.split(place.path, |tracer, sample| {
+            let local = warp::cosine_hemisphere(sample.pair(key));
+            let direction = frame.to_world(local);
+            let light = tracer.world.sky.radiance(direction) * reflectance(local.z);
+            // At the very horizon rounding decides on which side the direction lies.
+            if light.is_black() || !(direction.dot(place.normal) > 0.0) {
+                return Rgb::BLACK;
+            }
+            tracer.statistics.shadow_rays += 1;
+            light * tracer.world.transmittance(&place.surface.spawn(direction))
+        })
     }
 }

@@ -13,7 +13,7 @@ use crate::{
     camera::View,
     color::Rgb,
     filter::Filter,
-    integrator::Tracer,
+    integrator::{Tracer, split_bits},
     sampler::{Key, Sample},
     world::World,
 };
@@ -255,6 +255,7 @@ impl Job<'_> {
                 world: &self.world,
                 depth: film.depth.min(MAX_DEPTH),
                 sample,
+                split_bits: split_bits(film.spp),
                 statistics: Statistics::default(),
             };
             let light = tracer.camera_ray(&ray);

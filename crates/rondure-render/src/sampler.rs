@@ -12,8 +12,10 @@
 
 /// The pixels across and down in a block that shares one sequence, as a power of two.
 const BLOCK_BITS: u32 = 8;
+/// The most parts that a sample can be split into, as a power of two.
+pub(crate) const SPLIT_BITS: u32 = 2;
 /// The samples of a pixel that one sequence can hold, as a power of two.
-const SAMPLE_BITS: u32 = u32::BITS - 2 * BLOCK_BITS;
+const SAMPLE_BITS: u32 = u32::BITS - 2 * BLOCK_BITS - SPLIT_BITS;
 
 /// The name of a two-dimensional set of sample points: where on the way of the light it is used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,6 +52,14 @@ impl Sample {
         let block = mix(mix(x >> BLOCK_BITS, y >> BLOCK_BITS), sample >> per_pixel);
         let seed = mix(mix(seed as u32, (seed >> 32) as u32), block);
         Self { reversed_index: index.reverse_bits(), seed }
+    }
+
+    /// The `part`-th of 2^`bits` samples in the place of this one, spread as well as if the pixel
+    /// had had so many from the start.
+    #[inline]
+    pub(crate) fn part(&self, part: u32, bits: u32) -> Self {
+        debug_assert!(bits <= SPLIT_BITS && part < 1 << bits);
+        Self { reversed_index: self.reversed_index >> bits | part.reverse_bits(), ..*self }
     }
 
     /// A point of the open unit square.
@@ -167,6 +177,14 @@ mod tests {
             }
         }
         assert_net(&points);
+    }
+
+    #[test]
+    fn parts_of_the_samples_of_a_pixel_are_a_net() {
+        let part = |s, part| Sample::new(1, 700, 9, s, 16).part(part, 2).pair(Key::LENS);
+        assert_net(&(0..64).map(|i| part(i / 4, i % 4)).collect::<Vec<_>>());
+        let sample = Sample::new(1, 700, 9, 3, 16);
+        assert_eq!(sample.part(0, 0).pair(Key::LENS), sample.pair(Key::LENS));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 //! Three trees: one over all that the eye can see, one over what blocks light, one over clear
 //! glass, through which shadow rays pass. Planes have no box and are tested one by one.
 
-use rondure::{Hit, Interaction, Ray, Vec3};
+use rondure::{Hit, Interaction, Ray};
 use rondure_scene::{Light, Scene};
 
 use crate::{
@@ -217,7 +217,7 @@ impl World {
                 passed *= 1.0 - fresnel::sheet(reflectance);
             }
             let range = ray.t_max - contact.hit.t;
-            ray = interaction.leave(ray.direction).with_range(0.0, range);
+            ray = interaction.spawn(ray.direction).with_range(0.0, range);
             travelled = at;
         }
         Rgb::BLACK
@@ -244,28 +244,105 @@ enum Kind {
     Lamp,
 }
 
-/// Leaving a surface.
-pub(crate) trait Leave {
-    /// The ray that leaves in this direction, starting clear of the surface.
-    fn leave(&self, direction: Vec3) -> Ray;
-}
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
 
-impl Leave for Interaction {
-    #[inline]
-    fn leave(&self, direction: Vec3) -> Ray {
-        let side = self.error.copysign(direction.dot(self.normal));
-        let away = |p: f64, offset: f64| {
-            let moved = p + offset;
-            if offset > 0.0 {
-                moved.next_up()
-            } else if offset < 0.0 {
-                moved.next_down()
-            } else {
-                moved
+    use rondure::{Affine, Instance, Profile, Surface, Vec3};
+    use rondure_scene::Shape as Described;
+
+    use super::*;
+    use crate::{
+        sampler::{Key, Sample},
+        shape::Shape,
+        warp::{self, Frame},
+    };
+
+    fn convex_shapes(center: Vec3, size: f64) -> Vec<Described> {
+        let ball = Profile::from_path_data("M 0 -1 A 1 1 0 0 1 0 1").unwrap();
+        let placement = Affine::translate(center)
+            .after(&Affine::rotate(Vec3::new(1.0, 2.0, 0.5), 0.4))
+            .after(&Affine::scale(Vec3::new(size, 0.7 * size, 1.2 * size)));
+        let edges = [Vec3::new(1.3, 0.4, 0.0) * size, Vec3::new(-0.3, 0.7, 0.9) * size];
+        let normal = Vec3::new(0.3, -1.0, 0.9).normalized();
+        vec![
+            Described::Sphere { center, radius: size },
+            Described::Disk { center, normal, radius: size },
+            Described::Rectangle { center, edges },
+            Described::Plane { point: center, normal },
+            Described::Turned(Instance::new(Arc::new(Surface::new(&ball)), placement).unwrap()),
+        ]
+    }
+
+    /// From points of convex shapes, found from near and from far away, no ray that leaves on the
+    /// outside meets the shape again, however flat it leaves.
+    #[test]
+    fn rays_that_leave_convex_shapes_do_not_come_back() {
+        let mut tried = 0;
+        for size in [1e-3, 1.0, 1e4] {
+            for offset in [0.0, 1e3, 1e6] {
+                let center = Vec3::new(1.0, -0.7, 0.3) * (offset * size);
+                for described in convex_shapes(center, size) {
+                    let shape = Shape::new(&described);
+                    for i in 0..4000 {
+                        let sample = Sample::new(3, i, 0, 0, 1);
+                        let distance = if i % 2 == 0 { 3.0 } else { 1e5 } * size;
+                        let outwards = warp::cap(sample.pair(Key::ROOT), 2.0);
+                        let aim = warp::cap(sample.pair(Key::LENS), 2.0) * (0.9 * size);
+                        let origin = center + outwards * distance;
+                        let ray = Ray::new(origin, (center + aim - origin).normalized());
+                        let Some(hit) = shape.closest(&ray) else { continue };
+                        let surface = shape.interaction(&ray, &hit);
+                        let out = if surface.normal.dot(ray.direction) > 0.0 {
+                            -surface.normal
+                        } else {
+                            surface.normal
+                        };
+                        let up = warp::cosine_hemisphere(sample.pair(Key::FILTER));
+                        for flat in [1.0, 1e-3, 1e-8, 1e-15] {
+                            let direction = Vec3::new(up.x, up.y, up.z * flat).normalized();
+                            let direction = Frame::new(out).to_world(direction);
+                            if !(direction.dot(out) > 0.0) {
+                                continue;
+                            }
+                            tried += 1;
+                            assert!(
+                                !shape.any(&surface.spawn(direction)),
+                                "{described:?} {ray:?} {surface:?} {direction:?}"
+                            );
+                        }
+                    }
+                }
             }
-        };
-        let (p, offset) = (self.point, self.normal * side);
-        let origin = Vec3::new(away(p.x, offset.x), away(p.y, offset.y), away(p.z, offset.z));
-        Ray::new(origin, direction)
+        }
+        assert!(tried > 100_000);
+    }
+
+    /// A ray that goes into a body comes out of it once.
+    #[test]
+    fn rays_that_enter_solids_leave_them() {
+        for size in [1e-3, 1.0, 1e4] {
+            let center = Vec3::new(1.0, -0.7, 0.3) * (100.0 * size);
+            for described in convex_shapes(center, size) {
+                let shape = Shape::new(&described);
+                if !shape.is_solid() {
+                    continue;
+                }
+                for i in 0..2000 {
+                    let sample = Sample::new(3, i, 0, 0, 1);
+                    let outwards = warp::cap(sample.pair(Key::ROOT), 2.0);
+                    let ray = Ray::new(center + outwards * (4.0 * size), -outwards);
+                    let hit = shape.closest(&ray).unwrap();
+                    let surface = shape.interaction(&ray, &hit);
+                    let up = warp::cosine_hemisphere(sample.pair(Key::FILTER));
+                    let inwards = Frame::new(-surface.normal).to_world(up);
+                    let inner = surface.spawn(inwards);
+                    let hit = shape.closest(&inner).unwrap();
+                    let far = shape.interaction(&inner, &hit);
+                    assert!(far.normal.dot(inwards) > 0.0, "{described:?} {i}");
+                    assert!(shape.closest(&far.spawn(inwards)).is_none(), "{described:?} {i}");
+                }
+            }
+        }
     }
 }

@@ -41,6 +41,8 @@ impl Bounds {
 #[derive(Clone, Copy)]
 pub(crate) struct Value<'a> {
     inner: &'a Spanned<DeValue<'a>>,
+    /// The key that it is the value of, or part of the value of.
+    key: &'a str,
     cx: &'a Context<'a>,
 }
 
@@ -65,6 +67,10 @@ impl<'t> Context<'t> {
 
     pub(crate) fn absorb(&self, report: Report, span: Range<usize>) {
         self.report.borrow_mut().absorb(report, span);
+    }
+
+    pub(crate) fn has_errors(&self) -> bool {
+        self.report.borrow().errors() > 0
     }
 
     pub(crate) fn into_report(self) -> Report {
@@ -101,9 +107,11 @@ impl<'a> Table<'a> {
 
     /// All entries in the order of the text, where the keys are names.
     pub(crate) fn named(&self) -> Vec<(&'a str, Range<usize>, Value<'a>)> {
-        let value = |inner| Value { inner, cx: self.cx };
-        let mut all: Vec<_> =
-            self.entries.iter().map(|(k, v)| (&**k.get_ref(), k.span(), value(v))).collect();
+        let entry = |(key, inner): (&'a Spanned<_>, &'a Spanned<_>)| {
+            let name: &'a str = toml::de::DeString::as_ref(key.get_ref());
+            (name, key.span(), Value { inner, key: name, cx: self.cx })
+        };
+        let mut all: Vec<_> = self.entries.iter().map(entry).collect();
         all.sort_by_key(|(_, span, _)| span.start);
         all
     }
@@ -111,7 +119,7 @@ impl<'a> Table<'a> {
     pub(crate) fn get(&self, key: &'static str) -> Option<Value<'a>> {
         self.asked.borrow_mut().push(key);
         let (_, inner) = self.entries.iter().find(|(k, _)| k.get_ref() == key)?;
-        Some(Value { inner, cx: self.cx })
+        Some(Value { inner, key, cx: self.cx })
     }
 
     /// The place of a key, if the table has it.
@@ -139,10 +147,6 @@ impl<'a> Table<'a> {
 
     pub(crate) fn number(&self, key: &'static str, bounds: Bounds) -> Option<f64> {
         self.get(key)?.number(bounds)
-    }
-
-    pub(crate) fn vector(&self, key: &'static str) -> Option<Vec3> {
-        self.get(key)?.vector()
     }
 
     /// Reports two keys that exclude each other; `Some` if both are there.
@@ -196,7 +200,7 @@ impl<'a> Value<'a> {
     }
 
     fn wrong_type<T>(&self, expected: &str) -> Option<T> {
-        self.fail(format!("expected {expected}, found {}", self.type_name()))
+        self.fail(format!("`{}`: expected {expected}, found {}", self.key, self.type_name()))
     }
 
     fn type_name(&self) -> &'static str {
@@ -235,11 +239,11 @@ impl<'a> Value<'a> {
         };
         match number {
             Some(x) if !x.is_finite() => {
-                self.fail(format!("this must be a finite number, not {x}"))
+                self.fail(format!("`{}` must be finite, not {x}", self.key))
             }
             Some(x) if (bounds.holds)(x) => Some(x),
-            Some(x) => self.fail(format!("this must be {}, not {x}", bounds.words)),
-            None => self.fail("this number is too large"),
+            Some(x) => self.fail(format!("`{}` must be {}, not {x}", self.key, bounds.words)),
+            None => self.fail(format!("`{}` is too large a number", self.key)),
         }
     }
 
@@ -249,13 +253,13 @@ impl<'a> Value<'a> {
         let DeValue::Integer(i) = self.inner.get_ref() else { return self.wrong_type(&words) };
         let number = integer(i).and_then(|i| u32::try_from(i).ok());
         let good = number.filter(|n| (least..=most).contains(n));
-        good.or_else(|| self.fail(format!("this must be {words}")))
+        good.or_else(|| self.fail(format!("`{}` must be {words}", self.key)))
     }
 
     /// The items of an array.
     pub(crate) fn items(&self, expected: &str) -> Option<Vec<Self>> {
         let Some(array) = self.inner.get_ref().as_array() else { return self.wrong_type(expected) };
-        Some(array.iter().map(|inner| Self { inner, cx: self.cx }).collect())
+        Some(array.iter().map(|inner| Self { inner, ..*self }).collect())
     }
 
     /// An array of N numbers.
@@ -263,7 +267,11 @@ impl<'a> Value<'a> {
         let expected = format!("an array of {N} numbers");
         let items = self.items(&expected)?;
         if items.len() != N {
-            return self.fail(format!("expected {expected}, found {}", items.len()));
+            return self.fail(format!(
+                "`{}`: expected {expected}, found {}",
+                self.key,
+                items.len()
+            ));
         }
         let mut numbers = [0.0; N];
         let mut good = true;
@@ -286,7 +294,7 @@ impl<'a> Value<'a> {
         // By its largest coordinate first, so that no square overflows or vanishes.
         let size = v.max_abs();
         if size == 0.0 {
-            return self.fail("a direction must not be zero");
+            return self.fail(format!("`{}` is a direction and must not be zero", self.key));
         }
         Some((v / size).normalized())
     }
@@ -324,7 +332,8 @@ impl<'a> Value<'a> {
     /// An array of tables.
     pub(crate) fn tables(&self, key: &str, what: &str) -> Vec<Table<'a>> {
         if !self.is_array() {
-            let message = format!("expected an array of tables, found {}", self.type_name());
+            let message =
+                format!("`{key}`: expected an array of tables, found {}", self.type_name());
             let help = format!("write [[{key}]] above each");
             self.fail_with_help::<()>(message, help);
             return Vec::new();

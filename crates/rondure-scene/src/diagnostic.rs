@@ -34,10 +34,8 @@ pub struct Diagnostic {
     pub severity: Severity,
     /// What is wrong, in one line.
     pub message: String,
-    /// Where.
-    pub label: Option<Label>,
-    /// Other places that have to do with it.
-    pub related: Vec<Label>,
+    /// Where: first the place at fault, then others that have to do with it.
+    pub labels: Vec<Label>,
     /// What would be right.
     pub help: Option<String>,
 }
@@ -45,13 +43,7 @@ pub struct Diagnostic {
 impl Diagnostic {
     /// An error without a place.
     pub fn error(message: impl Into<String>) -> Self {
-        Self {
-            severity: Severity::Error,
-            message: message.into(),
-            label: None,
-            related: Vec::new(),
-            help: None,
-        }
+        Self { severity: Severity::Error, message: message.into(), labels: Vec::new(), help: None }
     }
 
     /// A warning without a place.
@@ -62,14 +54,14 @@ impl Diagnostic {
     /// With the place at fault, in the first text of the report.
     #[must_use]
     pub fn at(mut self, span: Range<usize>, text: impl Into<String>) -> Self {
-        self.label = Some(Label { source: 0, span: Some(span), text: text.into() });
+        self.labels.insert(0, Label { source: 0, span: Some(span), text: text.into() });
         self
     }
 
     /// With another place, in the first text of the report.
     #[must_use]
     pub fn and_at(mut self, span: Range<usize>, text: impl Into<String>) -> Self {
-        self.related.push(Label { source: 0, span: Some(span), text: text.into() });
+        self.labels.push(Label { source: 0, span: Some(span), text: text.into() });
         self
     }
 
@@ -116,8 +108,8 @@ impl Report {
 
     /// Adds a diagnostic; one without a place is about the first text as a whole.
     pub fn push(&mut self, mut diagnostic: Diagnostic) {
-        if diagnostic.label.is_none() && !self.sources.is_empty() {
-            diagnostic.label = Some(Label { source: 0, span: None, text: String::new() });
+        if diagnostic.labels.is_empty() && !self.sources.is_empty() {
+            diagnostic.labels.push(Label { source: 0, span: None, text: String::new() });
         }
         self.diagnostics.push(diagnostic);
     }
@@ -128,14 +120,12 @@ impl Report {
         self.sources.extend(other.sources);
         let here = |text: &str| Label { source: 0, span: Some(span.clone()), text: text.into() };
         for mut diagnostic in other.diagnostics {
-            for label in diagnostic.label.iter_mut().chain(&mut diagnostic.related) {
+            for label in &mut diagnostic.labels {
                 label.source += offset;
             }
-            if diagnostic.label.is_some() {
-                diagnostic.related.push(here("the scene refers to it here"));
-            } else {
-                diagnostic.label = Some(here(""));
-            }
+            let words =
+                if diagnostic.labels.is_empty() { "" } else { "the scene refers to it here" };
+            diagnostic.labels.push(here(words));
             self.diagnostics.push(diagnostic);
         }
     }
@@ -143,8 +133,7 @@ impl Report {
     /// Sorts by place: the order in which a reader of the first text comes upon them.
     pub(crate) fn sort(&mut self) {
         let start = |d: &Diagnostic| {
-            let labels = d.label.iter().chain(&d.related);
-            labels.filter(|l| l.source == 0).find_map(|l| Some(l.span.as_ref()?.start))
+            d.labels.iter().filter(|l| l.source == 0).find_map(|l| Some(l.span.as_ref()?.start))
         };
         self.diagnostics.sort_by_key(start);
     }
@@ -199,17 +188,21 @@ impl Report {
             Severity::Warning => Level::WARNING,
         };
         let mut group = Group::with_title(level.primary_title(&*diagnostic.message));
-        let labels: Vec<_> = diagnostic.label.iter().chain(&diagnostic.related).collect();
         let mut drawn = Vec::new();
-        for label in &labels {
+        for label in &diagnostic.labels {
             if drawn.contains(&label.source) {
                 continue;
             }
             drawn.push(label.source);
             let Some(source) = self.sources.get(label.source) else { continue };
-            let here: Vec<_> = labels.iter().filter(|l| l.source == label.source).collect();
+            let here: Vec<_> = diagnostic
+                .labels
+                .iter()
+                .enumerate()
+                .filter(|(_, l)| l.source == label.source)
+                .collect();
             let Some(window) =
-                lines_round(&source.text, here.iter().filter_map(|l| l.span.as_ref()))
+                lines_round(&source.text, here.iter().filter_map(|(_, l)| l.span.as_ref()))
             else {
                 group = group.element(Origin::path(&*source.name));
                 continue;
@@ -217,13 +210,9 @@ impl Report {
             let text = &source.text[window.clone()];
             let first_line = 1 + source.text[..window.start].matches('\n').count();
             let mut snippet = Snippet::source(text).line_start(first_line).path(&*source.name);
-            for label in here {
+            for (i, label) in here {
                 let Some(span) = &label.span else { continue };
-                let kind = if diagnostic.label.as_ref() == Some(*label) {
-                    AnnotationKind::Primary
-                } else {
-                    AnnotationKind::Context
-                };
+                let kind = if i == 0 { AnnotationKind::Primary } else { AnnotationKind::Context };
                 let span = span.start - window.start..span.end - window.start;
                 let words = Some(&*label.text).filter(|t| !t.is_empty());
                 snippet = snippet.annotation(kind.span(span).label(words));

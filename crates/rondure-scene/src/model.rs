@@ -173,7 +173,7 @@ pub enum Shape {
         /// The radius.
         radius: f64,
     },
-    /// A parallelogram: center + a edges[0] + b edges[1], with a and b from -1/2 to 1/2.
+    /// A parallelogram: `center + a edges[0] + b edges[1]`, with a and b from -1/2 to 1/2.
     Rectangle {
         /// The middle.
         center: Vec3,

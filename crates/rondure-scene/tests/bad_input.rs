@@ -1,5 +1,7 @@
 //! What is wrong with bad input, word for word. Every file in `tests/bad` is refused.
 
+#![allow(clippy::expect_used, clippy::panic, reason = "a test that fails may stop")]
+
 use std::{error::Error, fs, path::Path};
 
 use rondure_scene::{
@@ -85,16 +87,16 @@ fn options() {
 
 #[test]
 fn swinging_spline() {
-    let options =
-        ProfileOptions { spline: Some(rondure::Spline::Natural), ..Default::default() };
-    let text = "r,z\n# a narrow neck\n1,0\n0.5,0.1\n0.01,1\n0.01,1.1\n1,2\n";
+    let options = ProfileOptions { spline: Some(rondure::Spline::Natural), ..Default::default() };
+    let text = "r,z\n# a narrow neck\n0.05,0\n1,1\n0,1.2\n0.05,1.3\n1,1.4\n";
     insta::assert_snapshot!("swinging-spline", options_error(ProfileFormat::Csv, text, options));
 }
 
 #[test]
 fn many_errors_are_counted() {
     let text = "x,1\n".repeat(1000);
-    let report = options_error(ProfileFormat::Csv, &text.replacen("x,1", "1,1", 1), Default::default());
+    let report =
+        options_error(ProfileFormat::Csv, &text.replacen("x,1", "1,1", 1), Default::default());
     assert_eq!(report.errors(), 999);
     assert!(report.to_string().ends_with("... and 959 more"));
 }
@@ -113,4 +115,29 @@ fn colors_are_only_in_the_colored_text() {
     let report = parse_scene("<scene>", "x = 1", Path::new("")).expect_err("good");
     assert!(!report.plain().contains('\x1b'));
     assert!(report.colored().contains('\x1b'));
+}
+
+/// Cuts and overwrites good profiles everywhere: nothing panics.
+#[test]
+fn damaged_profiles() -> Result<(), Box<dyn Error>> {
+    for (name, format) in [
+        ("goblet.svg", ProfileFormat::Svg),
+        ("vase.csv", ProfileFormat::Csv),
+        ("bowl.path", ProfileFormat::PathData),
+    ] {
+        let text = fs::read_to_string(Path::new("tests/good").join(name))?;
+        let options = ProfileOptions {
+            id: (format == ProfileFormat::Svg).then(|| "goblet".into()),
+            ..Default::default()
+        };
+        for i in 0..text.len() {
+            for put in ["", "\"", "<", "&", "\u{e9}", "\0", "-9", "e", ","] {
+                let damaged = format!("{}{put}{}", &text[..i], &text[i + 1..]);
+                if let Err(report) = parse_profile(name, &damaged, format, &options) {
+                    assert!(report.plain().starts_with("error"));
+                }
+            }
+        }
+    }
+    Ok(())
 }

@@ -55,7 +55,8 @@ impl Meridian {
     /// surface's sizes; the largest coordinate of `direction` lies between 1 and 2.
     #[inline]
     pub(crate) fn new(origin: Vec3, direction: Vec3) -> Self {
-        let (o, d) = (origin, direction);
+        // Adding zero takes the sign off -0: dz and 1 / dz then agree on which way the ray goes.
+        let (o, d) = (origin, Vec3 { z: direction.z + 0.0, ..direction });
         let a = d.x * d.x + d.y * d.y;
         let (speed, offset, delta2) = if a < PARALLEL {
             (0.0, o.x.hypot(o.y), 0.0)

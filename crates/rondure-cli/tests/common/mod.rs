@@ -11,26 +11,26 @@ use std::{
 
 use tempfile::TempDir;
 
-pub struct Desk {
+pub(crate) struct Desk {
     folder: TempDir,
 }
 
-pub struct Outcome {
-    pub code: i32,
-    pub stdout: String,
-    pub stderr: String,
+pub(crate) struct Outcome {
+    pub(crate) code: i32,
+    pub(crate) stdout: String,
+    pub(crate) stderr: String,
 }
 
 impl Desk {
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self { folder: tempfile::tempdir().unwrap() }
     }
 
-    pub fn path(&self, name: &str) -> PathBuf {
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
 
-    pub fn file(&self, name: &str, content: impl AsRef<[u8]>) -> &Self {
+    pub(crate) fn file(&self, name: &str, content: impl AsRef<[u8]>) -> &Self {
         let path = self.path(name);
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();
         std::fs::write(path, content).unwrap();
@@ -38,7 +38,7 @@ impl Desk {
     }
 
     /// `rondure` with these arguments, which are separated by spaces.
-    pub fn command(&self, arguments: &str) -> Command {
+    pub(crate) fn command(&self, arguments: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_rondure"));
         command
             .args(arguments.split_whitespace())
@@ -50,11 +50,11 @@ impl Desk {
         command
     }
 
-    pub fn run(&self, arguments: &str) -> Outcome {
+    pub(crate) fn run(&self, arguments: &str) -> Outcome {
         finish(self.command(arguments).spawn().unwrap())
     }
 
-    pub fn run_with_input(&self, arguments: &str, input: &[u8]) -> Outcome {
+    pub(crate) fn run_with_input(&self, arguments: &str, input: &[u8]) -> Outcome {
         let mut child = self.command(arguments).stdin(Stdio::piped()).spawn().unwrap();
         let mut stdin = child.stdin.take().unwrap();
         thread::scope(|scope| {
@@ -76,16 +76,16 @@ fn finish(child: Child) -> Outcome {
 
 /// One hit of the output of `rondure trace`.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Row {
-    pub ray: usize,
-    pub t: f64,
-    pub point: [f64; 3],
-    pub normal: [f64; 3],
-    pub uv: [f64; 2],
+pub(crate) struct Row {
+    pub(crate) ray: usize,
+    pub(crate) t: f64,
+    pub(crate) point: [f64; 3],
+    pub(crate) normal: [f64; 3],
+    pub(crate) uv: [f64; 2],
 }
 
 /// Reads the output of `rondure trace`.
-pub fn rows(csv: &str) -> Vec<Row> {
+pub(crate) fn rows(csv: &str) -> Vec<Row> {
     let mut lines = csv.lines();
     assert_eq!(lines.next(), Some("ray,t,x,y,z,nx,ny,nz,u,v"));
     lines
@@ -99,7 +99,7 @@ pub fn rows(csv: &str) -> Vec<Row> {
         .collect()
 }
 
-pub const SPHERE: &str = "M 0 -1 A 1 1 0 0 1 0 1";
-pub const CONE: &str = "M 0 0 L 1 0 L 0 2 Z";
-pub const CYLINDER: &str = "M 0 0 L 1 0 L 1 2 L 0 2 Z";
-pub const TORUS: &str = "M 3 0 A 1 1 0 0 1 1 0 A 1 1 0 0 1 3 0 Z";
+pub(crate) const SPHERE: &str = "M 0 -1 A 1 1 0 0 1 0 1";
+pub(crate) const CONE: &str = "M 0 0 L 1 0 L 0 2 Z";
+pub(crate) const CYLINDER: &str = "M 0 0 L 1 0 L 1 2 L 0 2 Z";
+pub(crate) const TORUS: &str = "M 3 0 A 1 1 0 0 1 1 0 A 1 1 0 0 1 3 0 Z";

@@ -164,7 +164,7 @@ fn point(fields: &Fields<'_>, columns: [usize; 2]) -> Result<Point, Vec<Diagnost
         match field.parse::<f64>() {
             Ok(x) if x.is_finite() => return x,
             Ok(_) => {
-                errors.push(place(Diagnostic::error(format!("`{field}` is not a finite number"))))
+                errors.push(place(Diagnostic::error(format!("`{field}` is not a finite number"))));
             }
             Err(_) if field.is_empty() => {
                 errors.push(place(Diagnostic::error(format!("the value of {name} is missing"))));

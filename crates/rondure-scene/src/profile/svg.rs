@@ -60,7 +60,7 @@ pub(super) fn parse(
     let placed = builder.map(|builder| place(builder, &map, snap));
     placed.and_then(ProfileBuilder::build).map_err(|error| {
         let diagnostic = match diagnose(&error, locate) {
-            d if d.label.is_none() => d.at(whole.clone(), explain(&error).1),
+            d if d.labels.is_empty() => d.at(whole.clone(), explain(&error).1),
             d => d,
         };
         if matches!(error.kind, ProfileErrorKind::NegativeRadius { .. }) {

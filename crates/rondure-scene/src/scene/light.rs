@@ -31,7 +31,7 @@ pub(super) fn sky(table: Option<Table<'_>>) -> Sky {
         }
         Sky::Constant { color: BLACK }
     } else if gradient {
-        let mut given = |color: Option<Color>, key| {
+        let given = |color: Option<Color>, key| {
             if color.is_none() {
                 table.missing(key);
             }

@@ -40,15 +40,14 @@ pub fn read_scene(path: &Path) -> Result<(Scene, Report), Report> {
 pub fn parse_scene(name: &str, text: &str, folder: &Path) -> Result<(Scene, Report), Report> {
     let mut report = Report::new(name, text);
     let (document, errors) = DeTable::parse_recoverable(text);
-    if !errors.is_empty() {
-        for error in errors {
-            let message = format!("not a TOML file: {}", error.message());
-            report.push(match error.span() {
-                Some(span) => Diagnostic::error(message).at(span, ""),
-                None => Diagnostic::error(message),
-            });
-        }
-        report.sort();
+    // What follows the first error in the syntax is often only its consequence.
+    let first = errors.iter().min_by_key(|e| e.span().map(|span| span.start));
+    if let Some(error) = first {
+        let diagnostic = Diagnostic::error(format!("not a TOML file: {}", error.message()));
+        report.push(match error.span() {
+            Some(span) => diagnostic.at(span, ""),
+            None => diagnostic,
+        });
         return Err(report);
     }
     let cx = Context::new(text, report);
@@ -74,14 +73,18 @@ fn decode<'a>(cx: &'a Context<'a>, document: &'a DeTable<'a>, folder: &Path) -> 
     let mut profiles = shared::Profiles::read(section(&root, "profiles", "the profiles"), folder);
     let objects = root.get("object").map_or_else(Vec::new, |v| v.tables("object", "an object"));
     let objects = object::objects(objects, &mut materials, &mut profiles);
-    profiles.warn_unused(cx);
-    materials.warn_unused(cx);
     let dark = !root.has("sky") && !root.has("light");
-    if dark {
-        let warning = Diagnostic::warning("nothing lights the scene; the picture will be black");
-        cx.push(warning.help("add a [sky] or a [[light]]"));
-    }
     root.finish();
+    // Where there are errors, what is unused may be meant by them.
+    if !cx.has_errors() {
+        profiles.warn_unused(cx);
+        materials.warn_unused(cx);
+        if dark {
+            let warning =
+                Diagnostic::warning("nothing lights the scene; the picture will be black");
+            cx.push(warning.help("add a [sky] or a [[light]]"));
+        }
+    }
     Some(Scene { film, camera: camera?, sky, lights, objects, materials: materials.finish() })
 }
 

@@ -118,15 +118,11 @@ fn from_path_data(value: &Value<'_>, scale: Option<f64>) -> Option<Profile> {
 
 /// Reports an error in path data where the data stands in the scene.
 fn place(mut error: Diagnostic, value: &Value<'_>) {
-    let span = match (&error.label, value.string_content()) {
-        (Some(label), Some(content)) => label
-            .span
-            .as_ref()
-            .map_or(value.span(), |s| content.start + s.start..content.start + s.end),
-        _ => value.span(),
-    };
-    let words = error.label.take().map_or_else(String::new, |l| l.text);
-    value.context().push(error.at(span, words));
+    let label = error.labels.pop();
+    let inside = label.as_ref().and_then(|l| l.span.clone()).zip(value.string_content());
+    let span = inside.map(|(span, content)| content.start + span.start..content.start + span.end);
+    let words = label.map_or_else(String::new, |l| l.text);
+    value.context().push(error.at(span.unwrap_or(value.span()), words));
 }
 
 fn from_file(
@@ -174,7 +170,7 @@ fn from_file(
 }
 
 fn from_points(value: &Value<'_>, table: &Table<'_>, scale: Option<f64>) -> Option<Profile> {
-    let spline = spline(table)?.unwrap_or(Spline::Polyline);
+    let spline = spline(table);
     let rows = value
         .items("an array of points [r, z]")?
         .iter()
@@ -186,12 +182,10 @@ fn from_points(value: &Value<'_>, table: &Table<'_>, scale: Option<f64>) -> Opti
         .collect::<Vec<_>>()
         .into_iter()
         .collect::<Option<Vec<_>>>()?;
-    points::through(&rows, spline, scale?)
+    points::through(&rows, spline?.unwrap_or(Spline::Polyline), scale?)
         .map_err(|error| {
-            value.context().push(match &error.label {
-                Some(_) => error,
-                None => error.at(value.span(), ""),
-            });
+            let whole = error.labels.is_empty();
+            value.context().push(if whole { error.at(value.span(), "") } else { error });
         })
         .ok()
 }

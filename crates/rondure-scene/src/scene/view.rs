@@ -7,40 +7,41 @@ use crate::{
     decode::{Bounds, Context, Table, Value},
 };
 
-/// The most pixels along an edge: 4096 times the largest screens, and w h still fits a u32.
+/// The most pixels along an edge: the number of pixels still fits a u32.
 const LARGEST_EDGE: u32 = 65_535;
 
 pub(super) fn film(table: Option<Table<'_>>) -> Film {
     let mut film = Film { width: 800, height: 600, spp: 16, depth: 8, bits: 8, exposure: 1.0 };
     let Some(table) = table else { return film };
-    if let Some(size) = table.get("size").and_then(|v| v.items("an array of width and height")) {
-        match size.as_slice() {
-            [width, height] => {
-                film.width = width.whole(1, LARGEST_EDGE).unwrap_or(film.width);
-                film.height = height.whole(1, LARGEST_EDGE).unwrap_or(film.height);
-            }
-            _ => {
-                let found = format!("`size` is [width, height], not {} numbers", size.len());
-                table.get("size").and_then(|v| v.fail::<()>(found));
-            }
-        }
+    if let Some((width, height)) = table.get("size").and_then(|v| size(&v)) {
+        (film.width, film.height) = (width, height);
     }
     let whole = |key, least, most, default| {
         table.get(key).and_then(|v| v.whole(least, most)).unwrap_or(default)
     };
     film.spp = whole("spp", 1, 1 << 20, film.spp);
     film.depth = whole("depth", 0, 1000, film.depth);
-    if let Some(value) = table.get("bits") {
-        match value.whole(0, u32::MAX) {
-            Some(8) => film.bits = 8,
-            Some(16) => film.bits = 16,
-            Some(_) => value.fail("`bits` must be 8 or 16").unwrap_or(()),
-            None => {}
-        }
-    }
+    film.bits = table.get("bits").and_then(|v| bits(&v)).unwrap_or(film.bits);
     film.exposure = table.number("exposure", Bounds::POSITIVE).unwrap_or(film.exposure);
     table.finish();
     film
+}
+
+fn size(value: &Value<'_>) -> Option<(u32, u32)> {
+    let items = value.items("an array of width and height")?;
+    let [width, height] = items.as_slice() else {
+        return value.fail(format!("`size` is [width, height], not {} numbers", items.len()));
+    };
+    let (width, height) = (width.whole(1, LARGEST_EDGE), height.whole(1, LARGEST_EDGE));
+    Some((width?, height?))
+}
+
+fn bits(value: &Value<'_>) -> Option<u8> {
+    match value.whole(0, u32::MAX)? {
+        8 => Some(8),
+        16 => Some(16),
+        _ => value.fail("`bits` must be 8 or 16"),
+    }
 }
 
 /// Degrees between which the field of view lies.

@@ -194,11 +194,13 @@ impl Parser<'_> {
         if length == 0 {
             let found = word(self.rest());
             let command = command as char;
-            let message = if found.is_empty() {
-                format!("the path ends in the middle of `{command}`; a number is missing")
-            } else {
-                format!("expected a number for `{command}`, found `{found}`")
-            };
+            if found.is_empty() {
+                let message =
+                    format!("the path ends in the middle of `{command}`; a number is missing");
+                let end = self.text.trim_ascii_end().len();
+                return Err(syntax(message, end..end));
+            }
+            let message = format!("expected a number for `{command}`, found `{found}`");
             return Err(syntax(message, begin..begin + found.len()));
         }
         self.next += length;

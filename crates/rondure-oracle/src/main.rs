@@ -1,0 +1,89 @@
+//! `rondure-oracle soak --rays N --seed S`: the comparisons of the test suites, as long as one likes.
+
+use std::{env, process::ExitCode, time::Instant};
+
+use rondure_oracle::{
+    Random, Tally,
+    profiles::{SOLIDS, STANDARD, standard},
+    suites,
+};
+
+const USAGE: &str = "usage: rondure-oracle soak [--rays N] [--seed S] [--only NAME]
+Shoots N random rays (1e6) at each standard profile and at random ones, and compares every hit
+with the exact oracle or a closed form; 10 N at the goblet for parity alone. --only runs the parts whose
+name contains NAME.";
+
+struct Options {
+    rays: u64,
+    seed: u64,
+    only: String,
+}
+
+fn main() -> ExitCode {
+    match options() {
+        Ok(options) => soak(&options),
+        Err(message) => {
+            eprintln!("{message}\n{USAGE}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn options() -> Result<Options, String> {
+    let mut arguments = env::args().skip(1);
+    if arguments.next().as_deref() != Some("soak") {
+        return Err("the one command is soak".into());
+    }
+    let mut options = Options { rays: 1_000_000, seed: 1, only: String::new() };
+    while let Some(name) = arguments.next() {
+        let value = arguments.next().ok_or(format!("{name} needs a value"))?;
+        let number = || value.parse::<f64>().map_err(|_| format!("{name}: {value} is no number"));
+        match name.as_str() {
+            "--rays" => options.rays = number()? as u64,
+            "--seed" => options.seed = number()? as u64,
+            "--only" => options.only = value,
+            _ => return Err(format!("unknown option {name}")),
+        }
+    }
+    Ok(options)
+}
+
+fn soak(options: &Options) -> ExitCode {
+    let mut clean = true;
+    let mut part = |name: &str, rays: u64, run: &dyn Fn(u64, &mut Random, &mut Tally)| {
+        if !name.contains(&options.only) {
+            return;
+        }
+        let (mut random, mut tally) = (Random::new(options.seed), Tally::default());
+        let (start, mut told, mut done) = (Instant::now(), Instant::now(), 0);
+        while done < rays {
+            let chunk = (rays - done).min(2_000);
+            run(chunk, &mut random, &mut tally);
+            done += chunk;
+            if told.elapsed().as_secs() >= 10 {
+                told = Instant::now();
+                eprintln!("{name}: {:.0} %", 100.0 * done as f64 / rays as f64);
+            }
+        }
+        let rate = tally.rays as f64 / start.elapsed().as_secs_f64();
+        println!("{name}: {tally}\n  {rate:.0} rays/s");
+        clean &= tally.is_clean();
+    };
+    for (name, solid) in SOLIDS {
+        part(&format!("closed form {name}"), options.rays, &|rays, random, tally| {
+            suites::against_closed_form(name, solid, rays, random, tally);
+        });
+    }
+    for (name, _) in STANDARD {
+        let profile = standard(name);
+        part(&format!("oracle {name}"), options.rays, &|rays, random, tally| {
+            suites::against_oracle(&profile, rays, random, tally);
+        });
+    }
+    part("random profiles", options.rays, &suites::random_profiles);
+    let goblet = standard("goblet");
+    part("parity goblet", 10 * options.rays, &|rays, random, tally| {
+        suites::parity(&goblet, rays, random, tally);
+    });
+    if clean { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}

@@ -1,0 +1,224 @@
+//! Good scenes, down to their numbers.
+
+#![allow(clippy::expect_used, clippy::panic, reason = "a test that fails may stop")]
+
+use std::{fs, path::Path, sync::Arc};
+
+use rondure::Vec3;
+use rondure_scene::{Light, Material, Paint, Projection, Report, Scene, Shape, Sky, parse_scene};
+
+const START: &str = "[camera]\neye = [0, -5, 1]\nlook_at = [0, 0, 0]\n[sky]\n";
+
+fn parse(text: &str) -> (Scene, Report) {
+    let folder = Path::new("tests/good");
+    parse_scene("<scene>", text, folder).map_err(|e| e.to_string()).expect("good")
+}
+
+fn examples() -> Vec<String> {
+    let text = fs::read_to_string("../../docs/scene.md").expect("docs/scene.md");
+    let blocks: Vec<_> = text.split("```toml\n").skip(1).collect();
+    let block = |b: &str| b.split("```").next().unwrap_or_default().to_owned();
+    blocks.into_iter().map(block).collect()
+}
+
+#[test]
+fn the_documentation_is_right() {
+    let examples = examples();
+    assert!(examples.len() >= 4);
+    for (i, example) in examples.iter().enumerate() {
+        let text = if i == 0 { example.clone() } else { format!("{START}{example}") };
+        let (_, warnings) = parse(&text);
+        let unused = warnings.diagnostics().iter().filter(|d| !d.message.contains("never used"));
+        assert_eq!(unused.count(), 0, "{warnings}");
+    }
+    assert!(parse(&examples[0]).1.is_empty());
+}
+
+#[test]
+fn first_example() {
+    let (scene, _) = parse(&examples()[0]);
+    assert_eq!((scene.film.width, scene.film.height, scene.film.spp), (640, 480, 64));
+    assert_eq!((scene.film.depth, scene.film.bits, scene.film.exposure), (8, 8, 1.0));
+    assert_eq!(scene.camera.projection, Projection::Perspective { fov: 30_f64.to_radians() });
+    assert_eq!((scene.camera.up, scene.camera.lens), (Vec3::Z, None));
+    let Sky::Gradient { horizon, ground, .. } = scene.sky else { panic!("no gradient") };
+    assert_eq!(ground, horizon);
+    assert!((horizon[0] - 0.54).abs() < 1e-15);
+    let Light::Sun { direction, irradiance, angular_radius } = scene.lights[0] else {
+        panic!("no sun")
+    };
+    assert!((direction.length() - 1.0).abs() < 1e-15 && irradiance[0] == 2.5);
+    assert!((angular_radius - 0.265_f64.to_radians()).abs() < 1e-15);
+    let names: Vec<_> = scene.objects.iter().map(|o| o.name.as_str()).collect();
+    assert_eq!(names, ["object 1", "pawns #1", "pawns #2", "pawns #3"]);
+    let surfaces: Vec<_> = scene.objects[1..]
+        .iter()
+        .map(|o| match &o.shape {
+            Shape::Turned(instance) => instance.surface(),
+            _ => panic!("not turned"),
+        })
+        .collect();
+    assert!(surfaces.iter().all(|s| Arc::ptr_eq(s, surfaces[0])), "copies share one surface");
+    let floor = &scene.materials[scene.objects[0].material];
+    let Material::Matte { color: Paint::Checker { colors, size } } = floor else {
+        panic!("no checker: {floor:?}")
+    };
+    assert_eq!((colors[0], *size), ([1.0; 3], [0.5, 0.5]));
+}
+
+fn origins(text: &str) -> Vec<Vec3> {
+    let (scene, _) = parse(&format!("{START}{text}"));
+    let origin = |shape: &Shape| match shape {
+        Shape::Turned(instance) => instance.placement().point(Vec3::ZERO),
+        Shape::Sphere { center, .. } => *center,
+        _ => panic!("neither turned nor a sphere"),
+    };
+    scene.objects.iter().map(|o| origin(&o.shape)).collect()
+}
+
+fn assert_near(found: Vec3, expected: [f64; 3]) {
+    let [x, y, z] = expected;
+    assert!((found - Vec3::new(x, y, z)).max_abs() < 1e-14, "{found:?} is not {expected:?}");
+}
+
+#[test]
+fn colonnade() {
+    let (scene, _) = parse(&format!("{START}{}", examples().last().expect("one")));
+    assert_eq!(scene.objects.len(), 200);
+    let Shape::Turned(last) = &scene.objects[199].shape else { panic!("not turned") };
+    assert_eq!(last.placement().point(Vec3::ZERO), Vec3::new(2.0, 198.0, 0.0));
+}
+
+#[test]
+fn copies() {
+    let sphere = "[[object]]\ntype = \"sphere\"\nradius = 1\nposition = [1, 0, 0]\n";
+    assert_eq!(
+        origins(&format!("{sphere}at = [[0, 0, 1], [0, 2, 0]]")),
+        [Vec3::new(1.0, 0.0, 1.0), Vec3::new(1.0, 2.0, 0.0)]
+    );
+    let ring = origins(&format!("{sphere}repeat = {{ count = 4, about = [0, 0, 0] }}"));
+    for (found, expected) in
+        ring.into_iter().zip([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+    {
+        assert_near(found, expected);
+    }
+    let arc = origins(&format!(
+        "{sphere}repeat = {{ count = 3, turn = 90, about = [1, 0, 1], axis = [0, 1, 0] }}"
+    ));
+    for (found, expected) in
+        arc.into_iter().zip([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 2.0]])
+    {
+        assert_near(found, expected);
+    }
+    let both = origins(&format!(
+        "{sphere}at = [[0, 0, 0], [5, 0, 0]]\nrepeat = {{ count = 3, step = [0, 1, 0] }}"
+    ));
+    assert_eq!(both.len(), 6);
+}
+
+fn image(object: &str, point: [f64; 3]) -> Vec3 {
+    let cone = "[[object]]\nprofile = { path = \"M 0 0 L 1 0 L 0 2\" }\n";
+    let (scene, _) = parse(&format!("{START}{cone}{object}"));
+    let Shape::Turned(instance) = &scene.objects[0].shape else { panic!("not turned") };
+    instance.placement().point(Vec3::new(point[0], point[1], point[2]))
+}
+
+#[test]
+fn placement_goes_scale_rotation_axis_position() {
+    assert_near(image("scale = 2\nposition = [1, 0, 0]", [1.0, 0.0, 1.0]), [3.0, 0.0, 2.0]);
+    assert_near(image("scale = [2, 1, -1]\nrotation = 90", [1.0, 0.0, 1.0]), [0.0, 2.0, -1.0]);
+    // x, then y, then z: z -> (about x) -y -> (about y) -y -> (about z) x.
+    assert_near(image("rotation = [90, 90, 90]", [0.0, 0.0, 1.0]), [1.0, 0.0, 0.0]);
+    assert_near(image("axis = [3, 0, 0]\nrotation = 90", [0.0, 0.0, 1.0]), [1.0, 0.0, 0.0]);
+    assert_near(image("axis = [0, 0, -2]\nposition = [0, 0, 5]", [0.0, 0.0, 1.0]), [0.0, 0.0, 4.0]);
+}
+
+#[test]
+fn every_kind_of_object_and_light() {
+    let text = r#"
+[[light]]
+type = "point"
+position = [0, 0, 3]
+[[light]]
+type = "disk"
+position = [0, 0, 3]
+radius = 1
+look_at = [0, 0, 1]
+intensity = 4
+color = [0.5, 1, 0]
+[[light]]
+type = "sphere"
+position = [0, 0, 3]
+radius = 1
+
+[[object]]
+type = "rectangle"
+normal = [1, 0, 0]
+size = [2, 3]
+rotation = 90
+material = { type = "mirror" }
+[[object]]
+type = "disk"
+radius = 2
+normal = [0, 3, 0]
+material = { type = "glass", ior = 1.3, color = "white" }
+[[object]]
+type = "plane"
+"#;
+    let (scene, report) = parse(&format!("{START}{text}"));
+    assert!(report.is_empty(), "{report}");
+    let Light::Disk { normal, radiance, .. } = scene.lights[1] else { panic!("no disk") };
+    assert_eq!((normal, radiance), (-Vec3::Z, [2.0, 4.0, 0.0]));
+    let Shape::Rectangle { edges, .. } = scene.objects[0].shape else { panic!("no rectangle") };
+    // z goes to x, so x goes to -z; before that, a quarter turn takes x to y and y to -x.
+    assert_near(edges[0], [0.0, 2.0, 0.0]);
+    assert_near(edges[1], [0.0, 0.0, 3.0]);
+    assert_eq!(
+        scene.materials[scene.objects[1].material],
+        Material::Glass { color: [1.0; 3], ior: 1.3 }
+    );
+    let default = &scene.materials[scene.objects[2].material];
+    assert_eq!(*default, Material::Matte { color: Paint::Solid([0.8; 3]) });
+}
+
+#[test]
+fn lens_and_orthographic_view() {
+    let start = "[sky]\n[camera]\neye = [0, -5, 0]\nlook_at = [0, 0, 0]\n";
+    let (scene, _) = parse(&format!("{start}lens_radius = 0.1"));
+    let lens = scene.camera.lens.expect("a lens");
+    assert_eq!((lens.radius, lens.focus), (0.1, 5.0));
+    let (scene, _) = parse(&format!("{start}projection = \"orthographic\"\nheight = 3"));
+    assert_eq!(scene.camera.projection, Projection::Orthographic { height: 3.0 });
+}
+
+#[test]
+fn warnings_come_with_the_scene() {
+    let text = "[camera]\neye = [0, -5, 1]\nlook_at = [0, 0, 0]\nfocus = 3\n[materials.a]\n\
+                [profiles.b]\npath = \"M 0 0 L 1 1\"\n\
+                [[object]]\nprofile = { path = \"M 1 0 L 2 1\" }\nmaterial = { type = \"glass\" }";
+    insta::assert_snapshot!("warnings", parse(text).1);
+}
+
+/// Cuts and overwrites good scenes everywhere: whatever comes of it, nothing panics, and what is
+/// refused has something to say.
+#[test]
+fn damaged_scenes() {
+    for example in examples() {
+        let text = format!("{START}{example}");
+        for i in (0..text.len()).filter(|i| text.is_char_boundary(*i)) {
+            let rest = text[i..].chars().next().map_or(i, |c| i + c.len_utf8());
+            for put in ["", "\"", "[", "=", "\u{e9}", "\0", "9e999"] {
+                let damaged = format!("{}{put}{}", &text[..i], &text[rest..]);
+                if let Err(report) = parse_scene("<scene>", &damaged, Path::new("tests/good")) {
+                    assert!(report.errors() > 0);
+                    if i % 7 == 0 {
+                        assert!(
+                            report.plain().starts_with("error")
+                                || report.plain().starts_with("warning")
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
