@@ -23,8 +23,9 @@ use crate::{
 
 /// The least weight of a path that follows both reflection and refraction.
 const SPLIT_WEIGHT: f64 = 0.1;
-/// The weight below which a path is ended at random (Russian roulette).
-const ROULETTE_WEIGHT: f64 = 0.01;
+/// What a path can still add to a pixel, as part of white, below which it is ended at random
+/// (Russian roulette).
+const ROULETTE_LIGHT: f64 = 0.01;
 /// A highlight on a mirror or on glass this faint is cut off, and all are lowered by as much so
 /// that there is no edge: as part of the light, a quarter of the step of an 8-bit picture.
 const FAINT_HIGHLIGHT: f64 = 1e-3;
@@ -314,13 +315,14 @@ impl Tracer<'_> {
             return Rgb::BLACK;
         }
         next.weight *= weight.max_channel();
-        if next.weight < ROULETTE_WEIGHT {
+        let least = ROULETTE_LIGHT / self.world.brightest;
+        if next.weight < least {
             let u = self.sample.single(next.key.child(ROULETTE));
-            if u * ROULETTE_WEIGHT >= next.weight {
+            if u * least >= next.weight {
                 return Rgb::BLACK;
             }
-            weight = weight * (ROULETTE_WEIGHT / next.weight);
-            next.weight = ROULETTE_WEIGHT;
+            weight = weight * (least / next.weight);
+            next.weight = least;
         }
         self.statistics.secondary_rays += 1;
         // Rounding may turn a grazing direction to the wrong side, by as little as it is off.

@@ -45,6 +45,8 @@ pub(crate) struct World {
     finishes: Vec<Finish>,
     pub(crate) lamps: Vec<Lamp>,
     pub(crate) sky: Heaven,
+    /// The most light that a ray can bring to the picture, as a multiple of white; at least 1.
+    pub(crate) brightest: f64,
     visible: Bvh,
     opaque: Bvh,
     clear: Bvh,
@@ -103,9 +105,14 @@ impl World {
                 .map(|(i, _)| i)
                 .collect()
         };
+        let lamps: Vec<_> = scene.lights.iter().map(Lamp::new).collect();
+        let sky = Heaven::new(&scene.sky);
+        let seen = lamps.iter().map(Lamp::radiance).chain(sky.extremes());
+        let brightest = seen.map(Rgb::max_channel).fold(0.0, f64::max) * scene.film.exposure;
         Ok(Self {
-            lamps: scene.lights.iter().map(Lamp::new).collect(),
-            sky: Heaven::new(&scene.sky),
+            lamps,
+            sky,
+            brightest: brightest.max(1.0),
             visible: tree(&|_| true),
             opaque: tree(&|kind| kind == Kind::Opaque),
             clear: tree(&|kind| kind == Kind::Clear),
