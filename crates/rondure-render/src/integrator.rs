@@ -2,7 +2,9 @@
 //!
 //! Matte surfaces and the base of glossy ones are lit by the lights and the sky directly; mirrors,
 //! coats and glass follow the light further. There is no light from matte surface to matte surface,
-//! and no caustic: glass lets shadow rays through straight.
+//! and no caustic: glass lets shadow rays through straight. For the same reason a lamp whose image
+//! in a mirror or in glass a rough coat reflects is no brighter there than white: few rays find it,
+//! and each would stand in the picture as a spark.
 //!
 //! Glass asks for both branches while the path carries enough weight, and then picks one at
 //! random. The weights of the paths of one generation add up to at most one, so at most
@@ -22,7 +24,7 @@ use crate::{
 };
 
 /// The least weight of a path that follows both reflection and refraction.
-const SPLIT_WEIGHT: f64 = 0.1;
+const SPLIT_WEIGHT: f64 = 0.02;
 /// What a path can still add to a pixel, as part of white, below which it is ended at random
 /// (Russian roulette).
 const ROULETTE_LIGHT: f64 = 0.01;
@@ -103,6 +105,8 @@ struct Path {
     weight: f64,
     /// The density by solid angle with which the ray was chosen.
     pdf: f64,
+    /// Whether a rough coat chose the direction of this ray or of one before it.
+    blurred: bool,
     key: Key,
     media: Media,
 }
@@ -150,6 +154,7 @@ impl Tracer<'_> {
             depth: 0,
             weight: 1.0,
             pdf: f64::INFINITY,
+            blurred: false,
             key: Key::ROOT,
             media: Media::default(),
         };
@@ -173,7 +178,11 @@ impl Tracer<'_> {
             Role::Lamp(lamp) => {
                 let lamp = &world.lamps[lamp as usize];
                 let pdf = lamp.pdf(ray.origin, ray.direction, contact.hit.t);
-                return lamp.radiance() * faded * power_heuristic(path.pdf, pdf);
+                let mut seen = lamp.radiance() * faded * power_heuristic(path.pdf, pdf);
+                if path.blurred && path.pdf == f64::INFINITY {
+                    seen = seen * (world.white / seen.max_channel().max(world.white));
+                }
+                return seen;
             }
             Role::Surface { finish, solid } => (finish, solid),
         };
@@ -207,7 +216,8 @@ impl Tracer<'_> {
                 };
                 if let Some(found) = coat.sample(local, u) {
                     let direction = frame.to_world(found.direction);
-                    let next = path.next(REFLECTED, found.pdf);
+                    let mut next = path.next(REFLECTED, found.pdf);
+                    next.blurred |= coat.is_rough();
                     sum += self.follow(&place, direction, normal, Rgb::splat(found.weight), next);
                 }
                 sum
@@ -315,7 +325,7 @@ impl Tracer<'_> {
             return Rgb::BLACK;
         }
         next.weight *= weight.max_channel();
-        let least = ROULETTE_LIGHT / self.world.brightest;
+        let least = ROULETTE_LIGHT * self.world.white / self.world.brightest;
         if next.weight < least {
             let u = self.sample.single(next.key.child(ROULETTE));
             if u * least >= next.weight {

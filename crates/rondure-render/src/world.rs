@@ -45,7 +45,9 @@ pub(crate) struct World {
     finishes: Vec<Finish>,
     pub(crate) lamps: Vec<Lamp>,
     pub(crate) sky: Heaven,
-    /// The most light that a ray can bring to the picture, as a multiple of white; at least 1.
+    /// The radiance that comes out white in the picture.
+    pub(crate) white: f64,
+    /// The most radiance that a ray can meet; at least white.
     pub(crate) brightest: f64,
     visible: Bvh,
     opaque: Bvh,
@@ -108,11 +110,13 @@ impl World {
         let lamps: Vec<_> = scene.lights.iter().map(Lamp::new).collect();
         let sky = Heaven::new(&scene.sky);
         let seen = lamps.iter().map(Lamp::radiance).chain(sky.extremes());
-        let brightest = seen.map(Rgb::max_channel).fold(0.0, f64::max) * scene.film.exposure;
+        let brightest = seen.map(Rgb::max_channel).fold(0.0, f64::max);
+        let white = 1.0 / scene.film.exposure;
         Ok(Self {
             lamps,
             sky,
-            brightest: brightest.max(1.0),
+            white,
+            brightest: brightest.max(white),
             visible: tree(&|_| true),
             opaque: tree(&|kind| kind == Kind::Opaque),
             clear: tree(&|kind| kind == Kind::Clear),
