@@ -18,7 +18,7 @@ use dashu_int::IBig;
 use rondure::{Affine, Profile, Ray, Vec3};
 
 use crate::{
-    exact::{Double, align, bits, ldexp, ratio, ratio_f64, shl, sqrt, to_f64},
+    exact::{Double, align, bits, ratio, ratio_f64, shl, sqrt, to_f64},
     pieces::{Piece, Pieces},
     polynomial::{Bracket, derivative, evaluate, isolate},
 };
@@ -26,6 +26,9 @@ use crate::{
 /// s is found to 2^-`PARAMETER_BITS` on steep rays, and to more on flat ones, so that t is always good to
 /// some 1e-28 of the object's size.
 const PARAMETER_BITS: i64 = 96;
+
+/// Lines with |dz| < 2^-`LEVEL_BITS` |d| count as all but level.
+const LEVEL_BITS: i64 = 20;
 
 /// A hit of a line.
 #[derive(Clone, Copy, Debug)]
@@ -205,7 +208,7 @@ impl Setup {
 
     /// A product of a length and the scaled direction.
     fn along(&self, numerator: &IBig, denominator: &IBig) -> f64 {
-        ldexp(self.length(numerator, denominator), self.unit_direction)
+        ratio_f64(numerator, &(denominator * &self.scale), self.unit + self.unit_direction)
     }
 
     fn target(&self) -> i64 {
@@ -324,12 +327,17 @@ impl Oracle {
             let [er, ez] = [0, 1].map(|c| to_f64(&piece.controls[c][i], unit) / q);
             (r - er).hypot(z - ez) / self.pieces.size
         });
-        let nearer = usize::from(ends[1] < ends[0]);
-        let beyond = self.beyond(piece, nearer).map(|(other, end)| {
-            incidence(Place::at(other, IBig::from(end as i64), 0, setup).tangent(other))
-        });
         let own = incidence(at.tangent(piece));
-        let joint_incidence = if piece.is_bridge() { 0.0 } else { own.min(beyond.unwrap_or(own)) };
+        let beyond = |end: usize| {
+            self.beyond(piece, end).map_or(1.0, |(other, end)| {
+                incidence(Place::at(other, IBig::from(end as i64), 0, setup).tangent(other))
+            })
+        };
+        let joint_incidence = if piece.is_speck {
+            beyond(0).min(beyond(1))
+        } else {
+            own.min(beyond(usize::from(ends[1] < ends[0])))
+        };
         let (x, m) = bracket.middle();
         let local = to_f64(&x, -m);
         OracleHit {
@@ -343,13 +351,17 @@ impl Oracle {
         }
     }
 
-    /// The piece beyond one end of another, bridges left out, and its end there.
+    /// The piece beyond one end of another, specks left out, and its end there.
     fn beyond(&self, piece: &Piece, end: usize) -> Option<(&Piece, usize)> {
         let mut other = &self.pieces.list[piece.neighbours[end]?];
-        while other.is_bridge() {
+        // A closed chain may consist of specks alone.
+        for _ in 0..self.pieces.list.len() {
+            if !other.is_speck {
+                return Some((other, 1 - end));
+            }
             other = &self.pieces.list[other.neighbours[end]?];
         }
-        Some((other, 1 - end))
+        None
     }
 
     /// How near the line of a ray is to having another number of hits, as a fraction of the object's
@@ -371,7 +383,7 @@ impl Oracle {
             .map(|p| if level { height_polynomial(&setup, p) } else { setup.polynomial(p) })
             .collect();
         let mut nearest = f64::INFINITY;
-        for (piece, f) in self.pieces.list.iter().zip(&polynomials) {
+        for (index, (piece, f)) in self.pieces.list.iter().zip(&polynomials).enumerate() {
             let slope = derivative(f);
             if slope.len() > 1 {
                 for bracket in isolate(&slope, setup.target(), PARAMETER_BITS + setup.flatness) {
@@ -397,6 +409,14 @@ impl Oracle {
                 };
                 if turns {
                     nearest = nearest.min(self.distance(&setup, piece, IBig::from(end as i64), 0));
+                }
+                let rises = |i: usize, start: bool| {
+                    slope_at(&height_polynomial(&setup, &self.pieces.list[i]), start)
+                };
+                let flat = setup.flatness > LEVEL_BITS
+                    && neighbour.is_none_or(|n| rises(index, end == 0) * rises(n, end != 0) <= 0);
+                if flat {
+                    nearest = nearest.min(self.level_distance(&setup, piece, end));
                 }
                 if neighbour.is_none() && at_axis {
                     nearest = nearest.min(self.pole_distance(&setup, piece, end));
@@ -447,6 +467,24 @@ impl Oracle {
             + &setup.b * h * &setup.dz * &at.q * IBig::from(2);
         let speed2 = &setup.a + &setup.dz * &setup.dz;
         setup.area(&squared, &(speed2 * q2)).sqrt()
+    }
+
+    /// For a line that is all but level: how far above or below a point where z turns it passes the
+    /// circle of that point, or if it passes outside, the distance to where it is closest to the axis.
+    ///
+    /// A line that is higher or lower by this much may cross one part less on its way in and another
+    /// part less on its way out.
+    fn level_distance(&self, setup: &Setup, piece: &Piece, end: usize) -> f64 {
+        let at = Place::at(piece, IBig::from(end as i64), 0, setup);
+        let r = ratio_f64(&at.r, &at.q, self.pieces.exponent);
+        // All relative to the point closest to the axis, where t = -b/a.
+        let low = &at.height * &setup.a + &setup.b * &setup.dz * &at.q;
+        let below = setup.length(&low, &(&setup.a * &at.q));
+        let closest = setup.area(&(&setup.k * &setup.k), &setup.a).sqrt();
+        let across = to_f64(&setup.a, 2 * setup.unit_direction).sqrt();
+        let tilt = to_f64(&setup.dz, setup.unit_direction).abs() / across;
+        let reach = ((r - closest) * (r + closest)).max(0.0).sqrt() * tilt;
+        (below.abs() - reach).abs().hypot((closest - r).max(0.0))
     }
 
     /// For a level line: the difference between the radius there and the line's distance from the axis.

@@ -21,6 +21,9 @@ use crate::{
 
 const TRIGONOMETRY_BITS: usize = 180;
 
+/// Pieces shorter than this fraction of the object's size are specks: some hundred unit roundoffs.
+const SPECK: f64 = 1e-14;
+
 /// One polynomial or rational curve of the profile; lengths in units of 2^[`Pieces::exponent`].
 #[derive(Clone, Debug)]
 pub struct Piece {
@@ -40,6 +43,9 @@ pub struct Piece {
     pub slope: [Vec<IBig>; 3],
     /// Bernstein coefficients of (z q)^2, z q^2, q^2 and (r q)^2, times a common factor.
     pub squares: [Vec<IBig>; 4],
+    /// Whether the piece is so short that a line may as well pass on its other side: a tiny segment,
+    /// or the bridge between an arc and its end point.
+    pub is_speck: bool,
     /// Whether q is 1 throughout.
     pub polynomial: bool,
 }
@@ -95,7 +101,12 @@ impl Pieces {
         let low = coordinate(1).fold(f64::INFINITY, f64::min);
         let high = coordinate(1).fold(f64::NEG_INFINITY, f64::max);
         let radius = coordinate(0).fold(0.0, f64::max);
-        Self { size: radius.max(high - low), center: 0.5 * (low + high), list, exponent }
+        let size = radius.max(high - low);
+        let center = 0.5 * (low + high);
+        for piece in &mut list {
+            piece.is_speck = [0, 1].iter().all(|&i| piece.extent(i, exponent) <= SPECK * size);
+        }
+        Self { size, center, list, exponent }
     }
 }
 
@@ -201,14 +212,22 @@ fn finish(raw: Raw, exponent: i64) -> Piece {
         power,
         slope,
         squares,
+        is_speck: false,
         polynomial,
     }
 }
 
 impl Piece {
-    /// Whether this only joins an arc to its end point, some 1e-16 away.
-    pub fn is_bridge(&self) -> bool {
-        self.span[0] == self.span[1]
+    /// The extent of the control points in r (0) or z (1).
+    fn extent(&self, coordinate: usize, exponent: i64) -> f64 {
+        let unit = |k: usize| to_f64(&self.controls[2][k], 0).recip();
+        let values: Vec<f64> = self.controls[coordinate]
+            .iter()
+            .enumerate()
+            .map(|(k, x)| to_f64(x, exponent) * unit(k))
+            .collect();
+        let from = values[0];
+        values.iter().fold(0.0, |m, v| m.max((v - from).abs()))
     }
 
     /// The parameter on the segment for one on the piece; on an arc, the fraction of the sweep.
