@@ -25,6 +25,9 @@ use crate::{
 
 /// The least weight of a path that follows both reflection and refraction.
 const SPLIT_WEIGHT: f64 = 0.02;
+/// The least weight of a path that asks for several samples of a light: what the eye sees directly,
+/// in a mirror or through glass.
+const FULL_WEIGHT: f64 = 0.5;
 /// What a path can still add to a pixel, as part of white, below which it is ended at random
 /// (Russian roulette).
 const ROULETTE_LIGHT: f64 = 0.01;
@@ -132,7 +135,8 @@ pub(crate) struct Tracer<'a> {
     pub(crate) world: &'a World,
     pub(crate) depth: u32,
     pub(crate) sample: Sample,
-    /// How many samples the lights with extent get at the first surface, as a power of two.
+    /// How many samples the lights with extent get where a path has its full weight, as a power
+    /// of two.
     pub(crate) split_bits: u32,
     pub(crate) statistics: Statistics,
 }
@@ -140,7 +144,7 @@ pub(crate) struct Tracer<'a> {
 /// The number of light samples in a pixel that is enough for soft shadows to look smooth.
 const SMOOTH: u32 = 256;
 
-/// The split of samples at the first surface that brings few samples a pixel nearer to [`SMOOTH`].
+/// The split of light samples that brings few samples a pixel nearer to [`SMOOTH`].
 pub(crate) fn split_bits(spp: u32) -> u32 {
     (SMOOTH / spp.max(1)).checked_ilog2().unwrap_or(0).min(SPLIT_BITS)
 }
@@ -385,7 +389,7 @@ impl Tracer<'_> {
     /// The mean over the samples that a light with extent gets at this place of the path.
     #[inline]
     fn split(&mut self, path: &Path, mut one: impl FnMut(&mut Self, Sample) -> Rgb) -> Rgb {
-        let bits = if path.depth == 0 { self.split_bits } else { 0 };
+        let bits = if path.weight >= FULL_WEIGHT { self.split_bits } else { 0 };
         let mut sum = Rgb::BLACK;
         for part in 0..1 << bits {
             let sample = self.sample.part(part, bits);

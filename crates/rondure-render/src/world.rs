@@ -56,9 +56,6 @@ pub(crate) struct World {
     clear_planes: Vec<u32>,
 }
 
-/// How many surfaces of clear glass a shadow ray passes; what lies behind more is in shadow.
-const MAX_CLEAR_SURFACES: u32 = 256;
-
 impl World {
     pub(crate) fn new(scene: &Scene) -> Result<Self, RenderError> {
         let mut things = Vec::with_capacity(scene.objects.len() + scene.lights.len());
@@ -196,55 +193,47 @@ impl World {
         if self.clear.is_empty() && self.clear_planes.is_empty() {
             return Rgb::WHITE;
         }
-        self.clear_transmittance(*ray)
+        self.clear_transmittance(ray)
     }
 
-    fn clear_transmittance(&self, mut ray: Ray) -> Rgb {
+    /// All surfaces of glass count alike, in any order: no matter how bodies overlap.
+    fn clear_transmittance(&self, ray: &Ray) -> Rgb {
         let mut passed = 1.0;
-        // The optical depth is the sum of absorption times where a ray leaves less where it enters,
-        // in any order: no matter how bodies overlap.
+        // The optical depth is the sum of absorption times where a ray leaves less where it enters.
         let mut depth = Rgb::BLACK;
         let mut open = Rgb::BLACK;
-        let mut travelled = 0.0;
-        for _ in 0..MAX_CLEAR_SURFACES {
-            let Some(contact) = self.closest_clear(&ray) else {
-                if ray.t_max < f64::INFINITY {
-                    depth += open.map(|v| v.max(0.0)) * (travelled + ray.t_max);
-                }
-                return depth.map(|v| (-v.max(0.0)).exp()) * passed;
-            };
-            let interaction = self.interaction(&ray, &contact);
-            let (absorption, ior) = self.glass(contact.thing);
-            let cos = interaction.normal.dot(ray.direction);
-            // Seen from the air on both sides: straight through a pane, that is the truth.
-            let reflectance = fresnel::from_air(cos.abs().min(1.0), ior);
-            let at = travelled + contact.hit.t;
-            if let Role::Surface { solid: true, .. } = self.role(contact.thing) {
-                passed *= 1.0 - reflectance;
-                let sign = 1.0_f64.copysign(cos);
-                depth += absorption * (sign * at);
-                open += absorption * -sign;
-            } else {
-                passed *= 1.0 - fresnel::sheet(reflectance);
+        let mut hits = Vec::new();
+        let mut pass = |thing: u32| {
+            let shape = &self.things[thing as usize].shape;
+            shape.all(ray, &mut hits);
+            if hits.is_empty() {
+                return;
             }
-            let range = ray.t_max - contact.hit.t;
-            ray = interaction.spawn(ray.direction).with_range(0.0, range);
-            travelled = at;
-        }
-        Rgb::BLACK
-    }
-
-    fn closest_clear(&self, ray: &Ray) -> Option<Contact> {
-        let mut ray = *ray;
-        let mut best = None;
-        for &thing in &self.clear_planes {
-            self.try_thing(thing, &mut ray, &mut best);
-        }
-        self.clear.walk(&mut ray, |thing, ray| {
-            self.try_thing(thing, ray, &mut best);
+            let (absorption, ior) = self.glass(thing);
+            let solid = matches!(self.role(thing), Role::Surface { solid: true, .. });
+            for hit in &hits {
+                let cos = shape.normal(ray, hit).dot(ray.direction);
+                // Seen from the air on both sides: straight through a pane, that is the truth.
+                let reflectance = fresnel::from_air(cos.abs().min(1.0), ior);
+                if solid {
+                    passed *= 1.0 - reflectance;
+                    let sign = 1.0_f64.copysign(cos);
+                    depth += absorption * (sign * hit.t);
+                    open += absorption * -sign;
+                } else {
+                    passed *= 1.0 - fresnel::sheet(reflectance);
+                }
+            }
+        };
+        self.clear_planes.iter().for_each(|&plane| pass(plane));
+        self.clear.walk(&mut { *ray }, |thing, _| {
+            pass(thing);
             false
         });
-        best
+        if ray.t_max < f64::INFINITY {
+            depth += open.map(|v| v.max(0.0)) * ray.t_max;
+        }
+        depth.map(|v| (-v.max(0.0)).exp()) * passed
     }
 }
 

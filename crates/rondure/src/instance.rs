@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use crate::frame::Frame;
-use crate::interaction::{Interaction, interaction};
-use crate::{Affine, Bounds, Hit, Ray, Surface};
+use crate::interaction::{Interaction, interaction, normal};
+use crate::{Affine, Bounds, Hit, Ray, Surface, Vec3};
 
 /// A surface placed in the world by an affine map: moved, turned, scaled, mirrored or sheared.
 #[derive(Clone, Debug)]
@@ -53,6 +53,11 @@ impl Instance {
     /// The full answer for a hit, in the world; see [`Surface::interaction`].
     pub fn interaction(&self, ray: &Ray, hit: &Hit) -> Interaction {
         interaction(&self.surface, &self.frame, &self.placement, self.rounding, ray, hit)
+    }
+
+    /// The normal at a hit, in the world: that of [`interaction`](Self::interaction), alone.
+    pub fn normal(&self, ray: &Ray, hit: &Hit) -> Vec3 {
+        normal(&self.surface, &self.frame, ray, hit)
     }
 
     /// The box round the placed surface, in the world.

@@ -4,6 +4,7 @@ use core::f64::consts::TAU;
 
 use crate::frame::Frame;
 use crate::meridian::Meridian;
+use crate::profile::Point;
 use crate::{Affine, Hit, Ray, Surface, Vec3};
 
 /// Everything about the surface at a hit.
@@ -36,6 +37,54 @@ impl Interaction {
     }
 }
 
+/// A hit by its place on the profile and its direction from the axis.
+struct Place {
+    /// The point of the profile, its height above the surface's centre.
+    profile: Point,
+    /// The unit tangent of the profile in its drawing direction.
+    tangent: Point,
+    /// The cosine and the sine of the angle round the axis.
+    angle: [f64; 2],
+}
+
+impl Place {
+    fn of(surface: &Surface, frame: &Frame, ray: &Ray, hit: &Hit) -> Self {
+        let (profile, tangent) = surface.profile_at(hit);
+        // The hit lies on the circle of radius r exactly; the ray only tells in which direction.
+        let line = Ray { t_min: f64::NEG_INFINITY, t_max: f64::INFINITY, ..*ray };
+        let angle = frame.enter(&line).map_or([1.0, 0.0], |local| {
+            // From far away t is less exact than the place on the profile, which tells it anew.
+            let rough = local.local_t(hit.t);
+            let meridian = Meridian::new(local.origin, local.direction);
+            let [a, b] = [true, false].map(|above| meridian.t(profile.r, profile.z, above));
+            let t = if (a - rough).abs() <= (b - rough).abs() { a } else { b };
+            let p = local.origin + local.direction * t;
+            let rho = p.x.hypot(p.y);
+            if rho > 0.0 { [p.x / rho, p.y / rho] } else { [1.0, 0.0] }
+        });
+        let speed = tangent.length();
+        Self { profile, tangent: Point::new(tangent.r / speed, tangent.z / speed), angle }
+    }
+
+    /// The unit normal in the world, on the side that `sense` tells (see [`Detail`]).
+    ///
+    /// [`Detail`]: crate::surface::Detail
+    fn normal(&self, frame: &Frame, sense: f64) -> Vec3 {
+        let ([cos, sin], Point { r: dr, z: dz }) = (self.angle, self.tangent);
+        let own = Vec3::new(dz * cos, dz * sin, -dr) * sense;
+        match frame.inverse() {
+            Some(rows) => (rows[0] * own.x + rows[1] * own.y + rows[2] * own.z).normalized(),
+            None => own,
+        }
+    }
+}
+
+/// The normal alone at a hit of a surface that stands in `frame`.
+pub(crate) fn normal(surface: &Surface, frame: &Frame, ray: &Ray, hit: &Hit) -> Vec3 {
+    let sense = surface.details[hit.piece as usize].sense;
+    Place::of(surface, frame, ray, hit).normal(frame, sense)
+}
+
 /// The interaction at a hit of a surface that stands in `frame`, where `placement` put it.
 pub(crate) fn interaction(
     surface: &Surface,
@@ -45,32 +94,11 @@ pub(crate) fn interaction(
     ray: &Ray,
     hit: &Hit,
 ) -> Interaction {
-    let (profile, tangent) = surface.profile_at(hit);
+    let place = Place::of(surface, frame, ray, hit);
     let detail = &surface.details[hit.piece as usize];
-
-    // The hit lies on the circle of radius r exactly; the ray only tells in which direction.
-    let line = Ray { t_min: f64::NEG_INFINITY, t_max: f64::INFINITY, ..*ray };
-    let (cos, sin) = frame.enter(&line).map_or((1.0, 0.0), |local| {
-        // From far away t is less exact than the place on the profile, which tells it anew.
-        let rough = local.local_t(hit.t);
-        let meridian = Meridian::new(local.origin, local.direction);
-        let [a, b] = [true, false].map(|above| meridian.t(profile.r, profile.z, above));
-        let t = if (a - rough).abs() <= (b - rough).abs() { a } else { b };
-        let p = local.origin + local.direction * t;
-        let rho = p.x.hypot(p.y);
-        if rho > 0.0 { (p.x / rho, p.y / rho) } else { (1.0, 0.0) }
-    });
-    let speed = tangent.length();
-    let (dr, dz) = (tangent.r / speed, tangent.z / speed);
-    let (r, z) = (profile.r, profile.z + surface.center_z);
-
-    let own_normal = Vec3::new(dz * cos, dz * sin, -dr) * detail.sense;
-    let normal = match frame.inverse() {
-        Some(rows) => {
-            (rows[0] * own_normal.x + rows[1] * own_normal.y + rows[2] * own_normal.z).normalized()
-        }
-        None => own_normal,
-    };
+    let normal = place.normal(frame, detail.sense);
+    let ([cos, sin], Point { r: dr, z: dz }) = (place.angle, place.tangent);
+    let (r, z) = (place.profile.r, place.profile.z + surface.center_z);
     let turn = sin.atan2(cos) / TAU;
     let u = if turn < 0.0 { turn + 1.0 } else { turn };
     let piece = &surface.pieces[hit.piece as usize];

@@ -19,6 +19,7 @@
 //! axis, F = (z - z*)^2 - h^2 (r^2 - delta^2) with h = dz / speed stays sound down to dz = 0.
 
 use crate::Vec3;
+use crate::numeric::UNIT_ROUNDOFF;
 
 /// A ray in the frame of a surface, with its origin next to the surface's centre.
 #[derive(Clone, Copy, Debug)]
@@ -117,19 +118,28 @@ impl Meridian {
         x * x + self.eta * (r * r) + self.kappa
     }
 
+    /// delta^2, to the scale of F.
+    #[inline]
+    pub(crate) fn kappa(&self) -> f64 {
+        self.kappa
+    }
+
     /// The ray parameter at a point of the profile that lies on the meridian; `above` tells on which
     /// side of the axis' closest point a shallow ray is: X >= 0, or X < 0.
     ///
-    /// Of z = oz + t dz and r^2 = X(t)^2 + delta^2 the better conditioned one is solved for t.
+    /// Of z = oz + t dz and r^2 = X(t)^2 + delta^2 the better conditioned one is solved for t. A
+    /// rounding error of u in r^2 moves X by u r^2 / |X|, one in z moves it by u r / h; and where X
+    /// itself is below the rounding sqrt(u) r of its square, the latter is larger for h^2 < u.
     #[inline]
     pub(crate) fn t(&self, r: f64, z: f64, above: bool) -> f64 {
         if self.steep {
             return (z - self.oz) * self.inverse_dz;
         }
         let reach2 = self.reach2(r);
-        if reach2 >= self.eta * (r * r) {
+        if reach2 >= self.eta * (r * r) || self.eta <= UNIT_ROUNDOFF {
             let outward = above == (self.dz >= 0.0);
-            let x = if outward { reach2.sqrt() } else { -reach2.sqrt() };
+            let reach = reach2.max(0.0).sqrt();
+            let x = if outward { reach } else { -reach };
             (x - self.offset) / self.speed
         } else {
             (z - self.oz) * self.inverse_dz

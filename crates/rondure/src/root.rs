@@ -108,7 +108,7 @@ impl Stretch {
             0 => {}
             1 => report_at(self.single_root(piece, ray, &f), piece, ray, above, report),
             _ if piece.kind == Kind::Line => {
-                for s in self.two_roots(&f).into_iter().flatten() {
+                for s in self.two_roots(ray, &f).into_iter().flatten() {
                     report_at(s, piece, ray, above, report);
                 }
             }
@@ -130,7 +130,7 @@ impl Stretch {
         match f.sign_changes() {
             0 => {}
             1 => report_at(self.single_root(piece, ray, &f), piece, ray, above, report),
-            _ if halvings == 0 || f.largest() <= self.rounding(ray) => {
+            _ if halvings == 0 || f.largest() <= self.rounding(piece, ray) => {
                 // A tangency: the ends decide.
                 if (f.c[0] < 0.0) != (f.c[f.degree] < 0.0) {
                     report_at(0.5 * (self.s[0] + self.s[1]), piece, ray, above, report);
@@ -144,11 +144,17 @@ impl Stretch {
         }
     }
 
-    /// How far rounding can have moved a coefficient of F: each is a mean of at most four terms,
-    /// each made in at most eight operations from control values that carry at most eight more.
-    fn rounding(&self, ray: &Meridian) -> f64 {
+    /// How far rounding can have moved a coefficient of F: each is a mean of at most four terms made
+    /// in at most eight operations, of control values that carry the error of at most eight more, be
+    /// it from halving: then it is relative to the whole piece, however short the stretch.
+    fn rounding(&self, piece: &Piece, ray: &Meridian) -> f64 {
         let largest = |c: &[f64; 4]| c.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-        gamma(20) * ray.magnitude(largest(&self.x), largest(&self.r))
+        let (x, r) = (largest(&self.x), largest(&self.r));
+        let x_error = gamma(8) * ray.x(piece.z[0]).abs().max(ray.x(piece.z[3]).abs());
+        let r_error = gamma(8) * piece.r[0].max(piece.r[3]);
+        gamma(20) * ray.magnitude(x, r)
+            + x_error * (2.0 * x + x_error)
+            + ray.eta * (r_error * (2.0 * r + r_error))
     }
 
     #[inline]
@@ -184,33 +190,45 @@ impl Stretch {
         let positive = f.c[0] >= 0.0;
         let [s0, s1] = self.s;
         if piece.kind == Kind::Line {
-            let [a, b] = quadratic_roots(f);
-            let inside = |s: f64| (0.0..=1.0).contains(&s);
-            let s = if inside(a) { a } else { b.clamp(0.0, 1.0) };
-            return s0 + (s1 - s0) * s;
+            let [falling, rising] = quadratic_roots(f, self.discriminant(ray));
+            let s = if positive { falling } else { rising };
+            return s0 + (s1 - s0) * s.clamp(0.0, 1.0);
         }
         // F is a difference of squares, |X|^2 - h^2 reach^2, and where h is small nearly a square
         // itself; the difference of the roots of the two is nearly linear, and guesses better.
         let h = ray.eta.sqrt();
         let g = |x: f64, r: f64| x.abs() - h * ray.reach2(r).max(0.0).sqrt();
         let (g0, g1) = (g(self.x[0], self.r[0]), g(self.x[3], self.r[3]));
-        let secant = s0 + (s1 - s0) * (g0 / (g0 - g1));
+        // An end that lies on the ray is no root of this stretch if the signs say so, but beside it F
+        // is nothing but rounding. Where the piece was split, X = 0, F is as exact as elsewhere.
+        let noise = self.rounding(piece, ray);
+        let on_ray = |f: f64, x: f64| f.abs() <= noise && x != 0.0;
+        let blind = on_ray(f.c[0], self.x[0]) || on_ray(f.c[f.degree], self.x[3]);
+        let guess = if blind { 0.5 * (s0 + s1) } else { s0 + (s1 - s0) * (g0 / (g0 - g1)) };
         let f = |s| {
             let jet = piece.jet(s);
             let (r, x) = (jet.point.r, ray.x(jet.point.z));
             let value = ray.form([x, x], [r, r]);
             (value, 2.0 * (x * ray.slope() * jet.tangent.z - ray.eta * (r * jet.tangent.r)))
         };
-        bracketed_root(f, self.s, positive, secant)
+        bracketed_root(f, self.s, positive, guess)
     }
 
     /// The two roots on a straight stretch whose coefficients change sign twice, or none.
-    fn two_roots(&self, f: &Coefficients) -> Option<[f64; 2]> {
-        let [c0, c1, c2, ..] = f.c;
-        (c1 * c1 > c0 * c2).then(|| {
+    fn two_roots(&self, ray: &Meridian, f: &Coefficients) -> Option<[f64; 2]> {
+        let discriminant = self.discriminant(ray);
+        (discriminant > 0.0).then(|| {
             let [s0, s1] = self.s;
-            quadratic_roots(f).map(|s| s0 + (s1 - s0) * s.clamp(0.0, 1.0))
+            quadratic_roots(f, discriminant).map(|s| s0 + (s1 - s0) * s.clamp(0.0, 1.0))
         })
+    }
+
+    /// c1^2 - c0 c2 on a straight stretch. Lagrange's identity for the form F brings it to terms that
+    /// cancel only where the ray is tangent to the cone.
+    fn discriminant(&self, ray: &Meridian) -> f64 {
+        let ([x0, .., x1], [r0, .., r1]) = (self.x, self.r);
+        let (dx, dr, cross) = (x1 - x0, r1 - r0, x0 * r1 - x1 * r0);
+        ray.eta * (cross * cross) + ray.kappa() * (ray.eta * (dr * dr) - dx * dx)
     }
 
     /// The two parts before and after the parameter u, 0 <= u <= 1, of this stretch.
@@ -274,15 +292,19 @@ fn report_at(
     report(s, ray.t(point.r, point.z, above));
 }
 
-/// The roots of a quadratic in Bernstein form, real by the caller's word; the stable formula for
-/// A s^2 + 2 B s + C with A = c0 - 2 c1 + c2, B = c1 - c0, C = c0, whose B^2 - A C is c1^2 - c0 c2.
+/// The roots of a quadratic in Bernstein form, real by the caller's word: first the one where it
+/// falls, then the one where it rises. With A = c0 - 2 c1 + c2, B = c1 - c0 and the discriminant
+/// B^2 - A c0 these are (-B -/+ sqrt(discriminant)) / A, computed without cancellation.
 #[inline]
-fn quadratic_roots(f: &Coefficients) -> [f64; 2] {
+fn quadratic_roots(f: &Coefficients, discriminant: f64) -> [f64; 2] {
     let [c0, c1, c2, ..] = f.c;
-    let b = c1 - c0;
-    let root = (c1 * c1 - c0 * c2).max(0.0).sqrt();
-    let q = -(b + root.copysign(b));
-    [c0 / q, q / ((c0 - c1) + (c2 - c1))]
+    let (a, b) = ((c0 - c1) + (c2 - c1), c1 - c0);
+    let q = b.abs() + discriminant.max(0.0).sqrt();
+    match (q == 0.0, b < 0.0) {
+        (true, _) => [0.0; 2],
+        (_, true) => [c0 / q, q / a],
+        (_, false) => [-q / a, -c0 / q],
+    }
 }
 
 /// The root of a function between two parameters, by Newton steps that never leave the bracket and

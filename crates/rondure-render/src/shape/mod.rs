@@ -80,6 +80,30 @@ impl Shape {
         }
     }
 
+    /// All hits in the ray's range, in order. `hits` is cleared first.
+    pub(crate) fn all(&self, ray: &Ray, hits: &mut Vec<Hit>) {
+        match self {
+            Self::Turned(instance) => instance.all(ray, hits),
+            Self::Sphere(sphere) => {
+                hits.clear();
+                hits.extend(sphere.all(ray).map(hit_at));
+            }
+            Self::Disk(_) | Self::Rectangle(_) | Self::Plane(_) => {
+                hits.clear();
+                hits.extend(self.closest(ray));
+            }
+        }
+    }
+
+    /// The normal at a hit, alone.
+    #[inline]
+    pub(crate) fn normal(&self, ray: &Ray, hit: &Hit) -> Vec3 {
+        match self {
+            Self::Turned(instance) => instance.normal(ray, hit),
+            _ => self.interaction(ray, hit).normal,
+        }
+    }
+
     /// The full answer. On flat shapes (u, v) are lengths along the shape, from its centre.
     #[inline]
     pub(crate) fn interaction(&self, ray: &Ray, hit: &Hit) -> Interaction {

@@ -45,17 +45,17 @@ impl Sphere {
         Some(if near <= far { (near, far) } else { (far, near) })
     }
 
+    /// The hits in the ray's range, in order.
+    #[inline]
+    pub(crate) fn all(&self, ray: &Ray) -> impl Iterator<Item = f64> + use<> {
+        let [t_min, t_max] = [ray.t_min, ray.t_max];
+        let roots = self.roots(ray).map(|(near, far)| [near, far]);
+        roots.into_iter().flatten().filter(move |&t| t_min <= t && t <= t_max)
+    }
+
     #[inline]
     pub(crate) fn closest(&self, ray: &Ray) -> Option<f64> {
-        let (near, far) = self.roots(ray)?;
-        let in_range = |t: f64| ray.t_min <= t && t <= ray.t_max;
-        if in_range(near) {
-            Some(near)
-        } else if in_range(far) {
-            Some(far)
-        } else {
-            None
-        }
+        self.all(ray).next()
     }
 
     #[inline]

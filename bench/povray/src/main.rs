@@ -1,0 +1,157 @@
+//! Renders one scene with Rondure and with POV-Ray, on one thread each, and compares the times.
+//!
+//! The scene is first brought down to what both programs can draw alike ([`level`]), then written
+//! for both; the runs alternate, so that other load on the machine hits both.
+
+use std::{
+    error::Error,
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, ExitCode},
+};
+
+use clap::Parser;
+
+use crate::{
+    measure::{Run, Spread, run},
+    picture::Picture,
+};
+
+mod lathe;
+mod level;
+mod measure;
+mod picture;
+mod pov;
+mod povray;
+
+/// Render one scene with Rondure and POV-Ray and compare the times
+#[derive(Debug, Parser)]
+struct Options {
+    /// The scene file
+    #[arg(default_value = "scenes/still-life.toml")]
+    scene: PathBuf,
+
+    /// Where the scenes and pictures of both programs go
+    #[arg(short, long, default_value = "target/bench-povray")]
+    output: PathBuf,
+
+    /// How often each program renders each picture
+    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
+    runs: u32,
+
+    /// The edge of the grid of samples in a pixel; given more than once, one table for each
+    #[arg(long, default_values_t = [1, 3], value_parser = clap::value_parser!(u32).range(1..=9))]
+    grid: Vec<u32>,
+
+    /// The size of the pictures: width and height
+    #[arg(long, num_args = 2, default_values_t = [800, 600])]
+    size: Vec<u32>,
+}
+
+/// The same scene for both, in files.
+struct Scenes {
+    rondure: PathBuf,
+    povray: PathBuf,
+    size: (u32, u32),
+}
+
+fn main() -> ExitCode {
+    match compare(&Options::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn compare(options: &Options) -> Result<(), Box<dyn Error>> {
+    let version = povray::version()?;
+    let rondure = std::env::current_exe()?.with_file_name("rondure");
+    let scenes = write_scenes(options)?;
+    println!("{version} and Rondure {}, one thread each", env!("CARGO_PKG_VERSION"));
+    println!("{}, {}x{}", options.scene.display(), scenes.size.0, scenes.size.1);
+    println!("scenes: {}, {}", scenes.povray.display(), scenes.rondure.display());
+    for &grid in &options.grid {
+        let at = |name: &str| options.output.join(format!("{name}-{}.png", grid * grid));
+        let pictures = [at("povray"), at("rondure")];
+        let calls = || {
+            let pov = povray::command(&scenes.povray, &pictures[0], scenes.size, grid);
+            (pov, rondure_command(&rondure, &scenes, &pictures[1], grid))
+        };
+        let mut runs: Vec<[Run; 2]> = Vec::new();
+        for _ in 0..options.runs {
+            let (mut pov, mut own) = calls();
+            runs.push([run(&mut pov)?, run(&mut own)?]);
+        }
+        print_table(grid, &runs);
+        let [a, b] = [Picture::read(&pictures[0])?, Picture::read(&pictures[1])?];
+        let difference = a.difference(&b).ok_or("the pictures differ in size")?;
+        println!("  pictures: {}, {}", pictures[0].display(), pictures[1].display());
+        println!("  mean difference of blocks of 8x8 pixels: {:.1} %", 100.0 * difference);
+    }
+    Ok(())
+}
+
+fn write_scenes(options: &Options) -> Result<Scenes, Box<dyn Error>> {
+    let path = &options.scene;
+    let shown = |report: rondure_scene::Report| report.plain();
+    let (scene, _) = rondure_scene::read_scene(path).map_err(shown)?;
+    let text = fs::read_to_string(path)?;
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let leveled = level::level(&text, folder, &scene)?;
+    fs::create_dir_all(&options.output)?;
+    let scenes = Scenes {
+        rondure: options.output.join("scene.toml"),
+        povray: options.output.join("scene.pov"),
+        size: (options.size[0], options.size[1]),
+    };
+    fs::write(&scenes.rondure, leveled)?;
+    let (mut scene, _) = rondure_scene::read_scene(&scenes.rondure).map_err(shown)?;
+    (scene.film.width, scene.film.height) = scenes.size;
+    let (text, notes) = pov::write(&scene)?;
+    fs::write(&scenes.povray, text)?;
+    for note in notes {
+        eprintln!("note: {note}");
+    }
+    Ok(scenes)
+}
+
+fn rondure_command(program: &Path, scenes: &Scenes, picture: &Path, grid: u32) -> Command {
+    let mut command = Command::new(program);
+    command.arg("render").arg(&scenes.rondure).arg("-o").arg(picture);
+    command.args(["--size".into(), format!("{}x{}", scenes.size.0, scenes.size.1)]);
+    command.args(["--spp".into(), (grid * grid).to_string()]);
+    command.args(["--threads", "1"]);
+    command
+}
+
+fn print_table(grid: u32, runs: &[[Run; 2]]) {
+    let samples = grid * grid;
+    println!("\n{samples} samples per pixel, {} runs in turn: median (least to most)", runs.len());
+    println!("  {:<24} {:>26} {:>26} {:>8}", "seconds", "POV-Ray", "Rondure", "ratio");
+    let row = |name: &str, of: &dyn Fn(&Run) -> f64| {
+        let [pov, own] = [0, 1].map(|i| Spread::of(runs.iter().map(|pair| of(&pair[i]))));
+        let cell = |s: Spread| format!("{:.3} ({:.3} to {:.3})", s.median, s.least, s.greatest);
+        let ratio = pov.median / own.median;
+        println!("  {name:<24} {:>26} {:>26} {ratio:>8.2}", cell(pov), cell(own));
+    };
+    row("whole process, CPU", &|run| run.user);
+    row("whole process, clock", &|run| run.wall);
+    let traces: Option<Vec<_>> =
+        runs.iter().map(|[pov, _]| povray::trace_seconds(&pov.said)).collect();
+    if let Some(trace) = traces.map(Spread::of) {
+        println!(
+            "  {:<24} {:>26}",
+            "its tracing alone, CPU",
+            format!("{:.3} ({:.3} to {:.3})", trace.median, trace.least, trace.greatest)
+        );
+    }
+    if let Some([pov, own]) = runs.last() {
+        println!("  POV-Ray: {}", povray::ray_counts(&pov.said).join("; "));
+        println!("  Rondure: {}", own.said.trim().lines().last().unwrap_or_default());
+    }
+}
