@@ -2,9 +2,9 @@
 //!
 //! Matte surfaces and the base of glossy ones are lit by the lights and the sky directly; mirrors,
 //! coats and glass follow the light further. There is no light from matte surface to matte surface,
-//! and no caustic: glass lets shadow rays through straight. For the same reason a lamp whose image
-//! in a mirror or in glass a rough coat reflects is no brighter there than white: few rays find it,
-//! and each would stand in the picture as a spark.
+//! and no caustic: glass lets shadow rays through straight. For the same reason nothing that a
+//! rough coat reflects, but a lamp itself, is brighter there than white: few rays find the image of
+//! a lamp in another surface, and each would stand in the picture as a spark.
 //!
 //! Glass asks for both branches while the path carries enough weight, and then picks one at
 //! random. The weights of the paths of one generation add up to at most one, so at most
@@ -182,11 +182,7 @@ impl Tracer<'_> {
             Role::Lamp(lamp) => {
                 let lamp = &world.lamps[lamp as usize];
                 let pdf = lamp.pdf(ray.origin, ray.direction, contact.hit.t);
-                let mut seen = lamp.radiance() * faded * power_heuristic(path.pdf, pdf);
-                if path.blurred && path.pdf == f64::INFINITY {
-                    seen = seen * (world.white / seen.max_channel().max(world.white));
-                }
-                return seen;
+                return lamp.radiance() * faded * power_heuristic(path.pdf, pdf);
             }
             Role::Surface { finish, solid } => (finish, solid),
         };
@@ -230,6 +226,10 @@ impl Tracer<'_> {
             Finish::Glass { ior, .. } if solid => self.glass(&place, contact.thing, *ior, entering),
             Finish::Glass { ior, .. } => self.sheet(&place, *ior),
         };
+        if path.blurred {
+            // A lamp's image in what a rough coat reflects: few rays find it.
+            return light * faded * (world.white / light.max_channel().max(world.white));
+        }
         light * faded
     }
 
