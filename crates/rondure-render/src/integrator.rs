@@ -2,7 +2,9 @@
 //!
 //! Matte surfaces and the base of glossy ones are lit by the lights and the sky directly; mirrors,
 //! coats and glass follow the light further. There is no light from matte surface to matte surface,
-//! and no caustic: glass lets shadow rays through straight.
+//! and no caustic: glass lets shadow rays through straight. For the same reason nothing that a
+//! rough coat reflects, but a lamp itself, is brighter there than white: few rays find the image of
+//! a lamp in another surface, and each would stand in the picture as a spark.
 //!
 //! Glass asks for both branches while the path carries enough weight, and then picks one at
 //! random. The weights of the paths of one generation add up to at most one, so at most
@@ -22,12 +24,13 @@ use crate::{
 };
 
 /// The least weight of a path that follows both reflection and refraction.
-const SPLIT_WEIGHT: f64 = 0.1;
+const SPLIT_WEIGHT: f64 = 0.02;
 /// The least weight of a path that asks for several samples of a light: what the eye sees directly,
 /// in a mirror or through glass.
 const FULL_WEIGHT: f64 = 0.5;
-/// The weight below which a path is ended at random (Russian roulette).
-const ROULETTE_WEIGHT: f64 = 0.01;
+/// What a path can still add to a pixel, as part of white, below which it is ended at random
+/// (Russian roulette).
+const ROULETTE_LIGHT: f64 = 0.01;
 /// A highlight on a mirror or on glass this faint is cut off, and all are lowered by as much so
 /// that there is no edge: as part of the light, a quarter of the step of an 8-bit picture.
 const FAINT_HIGHLIGHT: f64 = 1e-3;
@@ -105,6 +108,8 @@ struct Path {
     weight: f64,
     /// The density by solid angle with which the ray was chosen.
     pdf: f64,
+    /// Whether a rough coat chose the direction of this ray or of one before it.
+    blurred: bool,
     key: Key,
     media: Media,
 }
@@ -153,6 +158,7 @@ impl Tracer<'_> {
             depth: 0,
             weight: 1.0,
             pdf: f64::INFINITY,
+            blurred: false,
             key: Key::ROOT,
             media: Media::default(),
         };
@@ -210,7 +216,8 @@ impl Tracer<'_> {
                 };
                 if let Some(found) = coat.sample(local, u) {
                     let direction = frame.to_world(found.direction);
-                    let next = path.next(REFLECTED, found.pdf);
+                    let mut next = path.next(REFLECTED, found.pdf);
+                    next.blurred |= coat.is_rough();
                     sum += self.follow(&place, direction, normal, Rgb::splat(found.weight), next);
                 }
                 sum
@@ -219,6 +226,10 @@ impl Tracer<'_> {
             Finish::Glass { ior, .. } if solid => self.glass(&place, contact.thing, *ior, entering),
             Finish::Glass { ior, .. } => self.sheet(&place, *ior),
         };
+        if path.blurred {
+            // A lamp's image in what a rough coat reflects: few rays find it.
+            return light * faded * (world.white / light.max_channel().max(world.white));
+        }
         light * faded
     }
 
@@ -318,13 +329,14 @@ impl Tracer<'_> {
             return Rgb::BLACK;
         }
         next.weight *= weight.max_channel();
-        if next.weight < ROULETTE_WEIGHT {
+        let least = ROULETTE_LIGHT * self.world.white / self.world.brightest;
+        if next.weight < least {
             let u = self.sample.single(next.key.child(ROULETTE));
-            if u * ROULETTE_WEIGHT >= next.weight {
+            if u * least >= next.weight {
                 return Rgb::BLACK;
             }
-            weight = weight * (ROULETTE_WEIGHT / next.weight);
-            next.weight = ROULETTE_WEIGHT;
+            weight = weight * (least / next.weight);
+            next.weight = least;
         }
         self.statistics.secondary_rays += 1;
         // Rounding may turn a grazing direction to the wrong side, by as little as it is off.

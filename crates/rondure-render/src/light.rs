@@ -197,6 +197,11 @@ impl Heaven {
         self.horizon.mix(end, direction.z.abs().min(1.0))
     }
 
+    /// The radiances between which all others lie.
+    pub(crate) fn extremes(&self) -> [Rgb; 3] {
+        [self.zenith, self.horizon, self.ground]
+    }
+
     pub(crate) fn is_black(&self) -> bool {
         self.zenith.is_black() && self.horizon.is_black() && self.ground.is_black()
     }

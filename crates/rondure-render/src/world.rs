@@ -45,6 +45,10 @@ pub(crate) struct World {
     finishes: Vec<Finish>,
     pub(crate) lamps: Vec<Lamp>,
     pub(crate) sky: Heaven,
+    /// The radiance that comes out white in the picture.
+    pub(crate) white: f64,
+    /// The most radiance that a ray can meet; at least white.
+    pub(crate) brightest: f64,
     visible: Bvh,
     opaque: Bvh,
     clear: Bvh,
@@ -100,9 +104,16 @@ impl World {
                 .map(|(i, _)| i)
                 .collect()
         };
+        let lamps: Vec<_> = scene.lights.iter().map(Lamp::new).collect();
+        let sky = Heaven::new(&scene.sky);
+        let seen = lamps.iter().map(Lamp::radiance).chain(sky.extremes());
+        let brightest = seen.map(Rgb::max_channel).fold(0.0, f64::max);
+        let white = 1.0 / scene.film.exposure;
         Ok(Self {
-            lamps: scene.lights.iter().map(Lamp::new).collect(),
-            sky: Heaven::new(&scene.sky),
+            lamps,
+            sky,
+            white,
+            brightest: brightest.max(white),
             visible: tree(&|_| true),
             opaque: tree(&|kind| kind == Kind::Opaque),
             clear: tree(&|kind| kind == Kind::Clear),

@@ -121,7 +121,7 @@ fn material(value: &Value<'_>) -> Option<Material> {
     let material = match kind {
         Kind::Matte => paint(&table, [0.8; 3]).map(|color| Material::Matte { color }),
         Kind::Glossy => {
-            let (specular, roughness) = (fraction("specular", 0.04), fraction("roughness", 0.1));
+            let (specular, roughness) = (fraction("specular", 1.0), fraction("roughness", 0.1));
             paint(&table, [0.8; 3]).zip(specular).zip(roughness).map(
                 |((color, specular), roughness)| Material::Glossy { color, specular, roughness },
             )
