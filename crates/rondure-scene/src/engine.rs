@@ -33,10 +33,10 @@ impl Scene {
     pub fn surfaces(&self) -> Vec<&Arc<Surface>> {
         let mut all: Vec<&Arc<Surface>> = Vec::new();
         for object in &self.objects {
-            if let Shape::Turned(instance) = &object.shape {
-                if !all.iter().any(|known| Arc::ptr_eq(known, instance.surface())) {
-                    all.push(instance.surface());
-                }
+            let Shape::Turned(instance) = &object.shape else { continue };
+            let own = instance.surface();
+            if !all.iter().any(|known| Arc::ptr_eq(known, own)) {
+                all.push(own);
             }
         }
         all
