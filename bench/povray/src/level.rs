@@ -3,7 +3,9 @@
 //! What is left is light from points and parallel light, with sharp shadows, and materials that
 //! need no random numbers: lights with area shrink to points of the same intensity, suns to points
 //! of no width, the sky becomes parallel light from above of the same irradiance, lenses and the
-//! blur of glossy reflections go. The result is a scene file again, which Rondure itself renders.
+//! blur of glossy reflections go. Glass loses its colour: where bodies of glass overlap, as a glass
+//! and the wine in it do, POV-Ray absorbs in neither. The result is a scene file again, which
+//! Rondure itself renders.
 
 use std::{error::Error, f64::consts::PI, path::Path};
 
@@ -25,7 +27,7 @@ pub(crate) fn level(
     root.insert("sky".into(), table([("color", black())]));
     let lights: Vec<_> = scene.lights.iter().map(point_light).chain(daylight(&scene.sky)).collect();
     root.insert("light".into(), Value::Array(lights));
-    unblur(&mut root);
+    simplify(&mut root);
     Ok(root.to_string())
 }
 
@@ -48,13 +50,15 @@ fn absolute_files(table: &mut Table, folder: &Path) {
     }
 }
 
-/// Makes all coats mirrors.
-fn unblur(table: &mut Table) {
-    if table.get("type").and_then(Value::as_str) == Some("glossy") {
-        table.insert("roughness".into(), 0.0.into());
+/// Makes all coats mirrors and all glass clear.
+fn simplify(table: &mut Table) {
+    match table.get("type").and_then(Value::as_str) {
+        Some("glossy") => drop(table.insert("roughness".into(), 0.0.into())),
+        Some("glass") => drop(table.insert("color".into(), numbers([1.0; 3]))),
+        _ => {}
     }
     for (_, value) in table.iter_mut() {
-        each_table(value, &mut unblur);
+        each_table(value, &mut simplify);
     }
 }
 
@@ -136,7 +140,10 @@ mod tests {
             camera = {eye = [0, -5, 1], look_at = [0, 0, 1], lens_radius = 0.1}
             sky = {color = [0.5, 0.5, 0.5]}
             light = [{type = "sphere", position = [1, 2, 3], radius = 2, intensity = 10}]
-            object = [{profile = {path = "M 0 0 L 1 0 L 0 1"}, material = {type = "glossy"}}]
+            object = [
+                {profile = {path = "M 0 0 L 1 0 L 0 1"}, material = {type = "glossy"}},
+                {type = "sphere", radius = 1, material = {type = "glass", color = "red"}},
+            ]
         "#;
         let (scene, _) = rondure_scene::parse_scene("a", text, Path::new("")).unwrap();
         let leveled = level(text, Path::new("."), &scene).unwrap();
@@ -144,6 +151,7 @@ mod tests {
         assert!(scene.camera.lens.is_none());
         assert_eq!(scene.sky, Sky::Constant { color: [0.0; 3] });
         assert!(matches!(scene.materials[0], Material::Glossy { roughness: 0.0, .. }));
+        assert!(matches!(scene.materials[1], Material::Glass { color, .. } if color == [1.0; 3]));
         let [Light::Point { intensity, .. }, Light::Sun { irradiance, angular_radius, direction }] =
             scene.lights[..]
         else {

@@ -11,6 +11,7 @@ use std::{
 };
 
 use clap::Parser;
+use rondure_render::{Settings, Statistics};
 
 use crate::{
     measure::{Run, Spread, run},
@@ -39,20 +40,33 @@ struct Options {
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
     runs: u32,
 
-    /// The edge of the grid of samples in a pixel; given more than once, one table for each
-    #[arg(long, default_values_t = [1, 3], value_parser = clap::value_parser!(u32).range(1..=9))]
-    grid: Vec<u32>,
+    /// Samples in each pixel, one table for each number: 1, or one more than a square, which is what
+    /// POV-Ray can take
+    #[arg(long, num_args = 1.., default_values_t = [1], value_parser = samples)]
+    spp: Vec<u32>,
 
     /// The size of the pictures: width and height
     #[arg(long, num_args = 2, default_values_t = [800, 600])]
     size: Vec<u32>,
 }
 
-/// The same scene for both, in files.
+fn samples(text: &str) -> Result<u32, String> {
+    let spp = text.parse().map_err(|_| "not a whole number")?;
+    let possible: Vec<_> = [1].into_iter().chain((2..10).map(|grid| grid * grid + 1)).collect();
+    if possible.contains(&spp) { Ok(spp) } else { Err(format!("must be one of {possible:?}")) }
+}
+
+/// The same scene for both.
 struct Scenes {
     rondure: PathBuf,
     povray: PathBuf,
-    size: (u32, u32),
+    scene: rondure_scene::Scene,
+}
+
+impl Scenes {
+    fn size(&self) -> (u32, u32) {
+        (self.scene.film.width, self.scene.film.height)
+    }
 }
 
 fn main() -> ExitCode {
@@ -68,23 +82,22 @@ fn main() -> ExitCode {
 fn compare(options: &Options) -> Result<(), Box<dyn Error>> {
     let version = povray::version()?;
     let rondure = std::env::current_exe()?.with_file_name("rondure");
-    let scenes = write_scenes(options)?;
+    let mut scenes = write_scenes(options)?;
     println!("{version} and Rondure {}, one thread each", env!("CARGO_PKG_VERSION"));
-    println!("{}, {}x{}", options.scene.display(), scenes.size.0, scenes.size.1);
+    println!("{}, {}x{}", options.scene.display(), scenes.size().0, scenes.size().1);
     println!("scenes: {}, {}", scenes.povray.display(), scenes.rondure.display());
-    for &grid in &options.grid {
-        let at = |name: &str| options.output.join(format!("{name}-{}.png", grid * grid));
+    for &spp in &options.spp {
+        let at = |name: &str| options.output.join(format!("{name}-{spp}.png"));
         let pictures = [at("povray"), at("rondure")];
-        let calls = || {
-            let pov = povray::command(&scenes.povray, &pictures[0], scenes.size, grid);
-            (pov, rondure_command(&rondure, &scenes, &pictures[1], grid))
-        };
         let mut runs: Vec<[Run; 2]> = Vec::new();
         for _ in 0..options.runs {
-            let (mut pov, mut own) = calls();
+            let mut pov = povray::command(&scenes.povray, &pictures[0], scenes.size(), spp);
+            let mut own = rondure_command(&rondure, &scenes, &pictures[1], spp);
             runs.push([run(&mut pov)?, run(&mut own)?]);
         }
-        print_table(grid, &runs);
+        scenes.scene.film.spp = spp;
+        let counted = rondure_render::render(&scenes.scene, &Settings::default(), &())?;
+        print_table(spp, &runs, counted.statistics());
         let [a, b] = [Picture::read(&pictures[0])?, Picture::read(&pictures[1])?];
         let difference = a.difference(&b).ok_or("the pictures differ in size")?;
         println!("  pictures: {}, {}", pictures[0].display(), pictures[1].display());
@@ -104,54 +117,52 @@ fn write_scenes(options: &Options) -> Result<Scenes, Box<dyn Error>> {
     };
     let leveled = level::level(&text, folder, &scene)?;
     fs::create_dir_all(&options.output)?;
-    let scenes = Scenes {
-        rondure: options.output.join("scene.toml"),
-        povray: options.output.join("scene.pov"),
-        size: (options.size[0], options.size[1]),
-    };
-    fs::write(&scenes.rondure, leveled)?;
-    let (mut scene, _) = rondure_scene::read_scene(&scenes.rondure).map_err(shown)?;
-    (scene.film.width, scene.film.height) = scenes.size;
+    let [rondure, povray] = ["scene.toml", "scene.pov"].map(|name| options.output.join(name));
+    fs::write(&rondure, leveled)?;
+    let (mut scene, _) = rondure_scene::read_scene(&rondure).map_err(shown)?;
+    (scene.film.width, scene.film.height) = (options.size[0], options.size[1]);
     let (text, notes) = pov::write(&scene)?;
-    fs::write(&scenes.povray, text)?;
+    fs::write(&povray, text)?;
     for note in notes {
         eprintln!("note: {note}");
     }
-    Ok(scenes)
+    Ok(Scenes { rondure, povray, scene })
 }
 
-fn rondure_command(program: &Path, scenes: &Scenes, picture: &Path, grid: u32) -> Command {
+fn rondure_command(program: &Path, scenes: &Scenes, picture: &Path, spp: u32) -> Command {
     let mut command = Command::new(program);
     command.arg("render").arg(&scenes.rondure).arg("-o").arg(picture);
-    command.args(["--size".into(), format!("{}x{}", scenes.size.0, scenes.size.1)]);
-    command.args(["--spp".into(), (grid * grid).to_string()]);
-    command.args(["--threads", "1"]);
+    let (width, height) = scenes.size();
+    command.args(["--size".into(), format!("{width}x{height}")]);
+    command.args(["--spp".into(), spp.to_string()]);
+    command.args(["--threads", "1", "--quiet"]);
     command
 }
 
-fn print_table(grid: u32, runs: &[[Run; 2]]) {
-    let samples = grid * grid;
-    println!("\n{samples} samples per pixel, {} runs in turn: median (least to most)", runs.len());
+fn print_table(spp: u32, runs: &[[Run; 2]], rays: &Statistics) {
+    println!("\nsamples per pixel: {spp}; {} runs in turn: median (least to most)", runs.len());
     println!("  {:<24} {:>26} {:>26} {:>8}", "seconds", "POV-Ray", "Rondure", "ratio");
+    let cell = |s: Spread| format!("{:.3} ({:.3} to {:.3})", s.median, s.least, s.greatest);
     let row = |name: &str, of: &dyn Fn(&Run) -> f64| {
         let [pov, own] = [0, 1].map(|i| Spread::of(runs.iter().map(|pair| of(&pair[i]))));
-        let cell = |s: Spread| format!("{:.3} ({:.3} to {:.3})", s.median, s.least, s.greatest);
         let ratio = pov.median / own.median;
         println!("  {name:<24} {:>26} {:>26} {ratio:>8.2}", cell(pov), cell(own));
+        ratio
     };
-    row("whole process, CPU", &|run| run.user);
+    let ratio = row("whole process, CPU", &|run| run.user);
     row("whole process, clock", &|run| run.wall);
     let traces: Option<Vec<_>> =
         runs.iter().map(|[pov, _]| povray::trace_seconds(&pov.said)).collect();
     if let Some(trace) = traces.map(Spread::of) {
-        println!(
-            "  {:<24} {:>26}",
-            "its tracing alone, CPU",
-            format!("{:.3} ({:.3} to {:.3})", trace.median, trace.least, trace.greatest)
-        );
+        println!("  {:<24} {:>26}", "its tracing alone, CPU", cell(trace));
     }
-    if let Some([pov, own]) = runs.last() {
-        println!("  POV-Ray: {}", povray::ray_counts(&pov.said).join("; "));
-        println!("  Rondure: {}", own.said.trim().lines().last().unwrap_or_default());
+    let Statistics { camera_rays, secondary_rays, shadow_rays, .. } = rays;
+    let followed = camera_rays + secondary_rays;
+    let Some([pov, _]) = runs.last() else { return };
+    if let Some(pov_followed) = povray::rays(&pov.said) {
+        let per_ray = ratio * followed as f64 / pov_followed;
+        println!("  {:<24} {:>26} {:>26} {per_ray:>8.2}", "CPU, per ray followed", "", "");
     }
+    println!("  POV-Ray: {}", povray::ray_counts(&pov.said).join("; "));
+    println!("  Rondure: Rays: {followed}; Shadow Rays: {shadow_rays}");
 }

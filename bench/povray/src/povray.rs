@@ -51,16 +51,18 @@ fn install() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The call that renders a scene on one thread. `grid` by `grid` samples are taken in each pixel.
-pub(crate) fn command(scene: &Path, picture: &Path, size: (u32, u32), grid: u32) -> Command {
+/// The call that renders a scene on one thread, with 1 sample in each pixel or a square and one.
+pub(crate) fn command(scene: &Path, picture: &Path, size: (u32, u32), spp: u32) -> Command {
     let mut command = Command::new("povray");
     command
         .arg(format!("+I{}", scene.display()))
         .arg(format!("+O{}", picture.display()))
         .args([format!("+W{}", size.0), format!("+H{}", size.1)])
         .args(["+FN8", "-D", "+WT1", "+MB1", "-P", "-V"]);
-    if grid > 1 {
-        // Every pixel that is not exactly its neighbours' colour, on a regular grid.
+    if spp > 1 {
+        // After the first sample, a regular grid in every pixel that has not exactly its
+        // neighbours' colour.
+        let grid = (spp - 1).isqrt();
         command.args(["+AM1".into(), "+A0.0".into(), "-J".into(), format!("+R{grid}")]);
     } else {
         command.arg("-A");
@@ -74,6 +76,13 @@ pub(crate) fn trace_seconds(said: &str) -> Option<f64> {
     let words: Vec<_> = after.split_whitespace().collect();
     let at = words.iter().position(|word| *word == "CPU-seconds")?;
     words.get(at.checked_sub(1)?)?.parse().ok()
+}
+
+/// How many rays were followed: those from the camera, reflected and refracted ones.
+pub(crate) fn rays(said: &str) -> Option<f64> {
+    let counts = ray_counts(said);
+    let words = counts.iter().find_map(|line| line.strip_prefix("Rays: "))?;
+    words.split(' ').next()?.parse().ok()
 }
 
 /// The lines of its statistics that count rays.
@@ -104,6 +113,7 @@ mod tests {
                     using 1 thread(s) with 3.125 CPU-seconds total\nRays:   12   Saved: 0\n";
         assert_eq!(trace_seconds(said), Some(3.125));
         assert_eq!(ray_counts(said), ["Rays: 12 Saved: 0"]);
+        assert_eq!(rays(said), Some(12.0));
         assert_eq!(trace_seconds("nothing"), None);
     }
 }

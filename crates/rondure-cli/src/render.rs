@@ -26,7 +26,7 @@ use crate::{
 #[command(after_help = "\
 Examples:
   rondure render scenes/still-life.toml                       make still-life.png, here
-  rondure render chess.toml -o /tmp/draft.png --size 320x240 --spp 4
+  rondure render chess.toml -o draft.png --size 320x240 --spp 4
 
 The picture is the same, bit for bit, for any number of threads. It appears under its name only when
 it is whole; Ctrl-C leaves nothing behind.")]

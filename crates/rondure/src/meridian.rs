@@ -39,6 +39,9 @@ pub(crate) struct Meridian {
     x0: f64,
     slope: f64,
     kappa: f64,
+    /// The slope of a shallow ray against the plane z = 0, or 1 for a steep one.
+    pub(crate) h: f64,
+    /// h^2.
     pub(crate) eta: f64,
 }
 
@@ -68,12 +71,12 @@ impl Meridian {
         };
         let inverse_dz = 1.0 / d.z;
         let steep = d.z.abs() >= speed;
-        let (z0, x0, slope, kappa, eta) = if steep {
-            (o.z, offset, speed * inverse_dz, delta2, 1.0)
+        let (z0, x0, slope, kappa, h, eta) = if steep {
+            (o.z, offset, speed * inverse_dz, delta2, 1.0, 1.0)
         } else {
             let h = d.z / speed;
             let eta = if h * h < PERPENDICULAR { 0.0 } else { h * h };
-            (o.z - h * offset, 0.0, 1.0, eta * delta2, eta)
+            (o.z - h * offset, 0.0, 1.0, eta * delta2, h.abs(), eta)
         };
         Self {
             speed,
@@ -87,6 +90,7 @@ impl Meridian {
             x0,
             slope,
             kappa,
+            h,
             eta,
         }
     }

@@ -61,7 +61,7 @@ impl Piece {
 
     /// The value and the derivative at s of the coordinate (or any affine function of the
     /// coordinates) that has the given control values.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn coordinate(&self, c: &[f64; 4], s: f64) -> (f64, f64) {
         let u = 1.0 - s;
         match self.kind {

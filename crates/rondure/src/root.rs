@@ -96,6 +96,10 @@ impl Coefficients {
     }
 }
 
+/// Nearer than this to an end, F may have no digit that is not rounding: where it has a double root
+/// at the end, it has grown to u at the square root of u, some 2^-26, and to 2^12 u here.
+const CLOSE: f64 = 1.0 / 1_048_576.0;
+
 /// A tangency is told by rounding long before this; it only bounds the recursion.
 const MOST_HALVINGS: u32 = 64;
 
@@ -194,17 +198,27 @@ impl Stretch {
             let s = if positive { falling } else { rising };
             return s0 + (s1 - s0) * s.clamp(0.0, 1.0);
         }
-        // F is a difference of squares, |X|^2 - h^2 reach^2, and where h is small nearly a square
+        // F is a difference of squares, X^2 - h^2 reach^2, and for a shallow ray nearly a square
         // itself; the difference of the roots of the two is nearly linear, and guesses better.
-        let h = ray.eta.sqrt();
-        let g = |x: f64, r: f64| x.abs() - h * ray.reach2(r).max(0.0).sqrt();
-        let (g0, g1) = (g(self.x[0], self.r[0]), g(self.x[3], self.r[3]));
-        // An end that lies on the ray is no root of this stretch if the signs say so, but beside it F
-        // is nothing but rounding. Where the piece was split, X = 0, F is as exact as elsewhere.
-        let noise = self.rounding(piece, ray);
-        let on_ray = |f: f64, x: f64| f.abs() <= noise && x != 0.0;
-        let blind = on_ray(f.c[0], self.x[0]) || on_ray(f.c[f.degree], self.x[3]);
-        let guess = if blind { 0.5 * (s0 + s1) } else { s0 + (s1 - s0) * (g0 / (g0 - g1)) };
+        let (f0, f1) = (f.c[0], f.c[f.degree]);
+        let (g0, g1) = if ray.steep {
+            (f0, f1)
+        } else {
+            let g = |x: f64, r: f64| x.abs() - ray.h * ray.reach2(r).max(0.0).sqrt();
+            (g(self.x[0], self.r[0]), g(self.x[3], self.r[3]))
+        };
+        let mut guess = g0 / (g0 - g1);
+        if !(CLOSE..=1.0 - CLOSE).contains(&guess) {
+            // An end that lies on the ray is no root of this stretch if the signs say so, but beside
+            // it F is nothing but rounding: look elsewhere. Where the piece was split, X = 0, F is as
+            // exact as anywhere.
+            let noise = self.rounding(piece, ray);
+            let on_ray = |f: f64, x: f64| f.abs() <= noise && x != 0.0;
+            if on_ray(f0, self.x[0]) || on_ray(f1, self.x[3]) {
+                guess = 0.5;
+            }
+        }
+        let guess = s0 + (s1 - s0) * guess;
         let f = |s| {
             let jet = piece.jet(s);
             let (r, x) = (jet.point.r, ray.x(jet.point.z));
@@ -321,6 +335,7 @@ fn bracketed_root(
 ) -> f64 {
     let mut s = if lo < guess && guess < hi { guess } else { 0.5 * (lo + hi) };
     let mut last_step = hi - lo;
+    let mut converging = false;
     loop {
         // The parameter is between 0 and 1: it cannot be known better.
         if hi - lo <= 2.0 * UNIT_ROUNDOFF || !(lo < s && s < hi) {
@@ -337,13 +352,24 @@ fn bracketed_root(
         }
         let newton = s - value / derivative;
         let step = (newton - s).abs();
+        let ratio = step / last_step;
         // Also false where the derivative vanishes and the quotient is NaN.
-        let good = lo <= newton && newton <= hi && 2.0 * step <= last_step;
-        let next = if good { newton } else { 0.5 * (lo + hi) };
-        last_step = (next - s).abs();
-        if good && step <= 2.0 * UNIT_ROUNDOFF {
-            return next;
+        let good = lo <= newton && newton <= hi && ratio <= 0.5;
+        if !good {
+            s = 0.5 * (lo + hi);
+            last_step = 0.5 * (hi - lo);
+            converging = false;
+            continue;
         }
-        s = next;
+        s = newton;
+        // Newton steps shrink as step' = c step^2. What the last two say of c may be too little by
+        // chance, and 16 is more than it is away from a tangency.
+        let c = (ratio / last_step).max(16.0);
+        let rest = if converging { c * step * step } else { step };
+        if rest <= 0.5 * UNIT_ROUNDOFF {
+            return s;
+        }
+        last_step = step;
+        converging = true;
     }
 }

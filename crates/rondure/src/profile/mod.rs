@@ -1,7 +1,7 @@
 //! The profile: the curve (r(s), z(s)), r >= 0, that is swept round the z axis.
 //!
 //! A [`Profile`] is one or more [`Subpath`]s, each a chain of [`Segment`]s; it is checked when it is
-//! built and never changes. [`path_data`] reads it from text, [`builder`] from code, [`spline`]
+//! built and never changes. `path_data.rs` reads it from text, `builder.rs` from code, `spline.rs`
 //! from points.
 
 mod builder;
