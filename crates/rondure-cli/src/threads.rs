@@ -7,7 +7,7 @@ use crate::failure::Failure;
 #[derive(Debug, Args)]
 pub(crate) struct Threads {
     /// How many threads to use; all cores if not given
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
 }
 

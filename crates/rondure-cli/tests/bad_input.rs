@@ -46,6 +46,7 @@ fn rays() {
     case("UTF-16", b"\xff\xfeo\0x\0,\0o\0y\0\n\0");
     case("binary file", b"\x7fELF\x02\x01\x01\0\0\0\n\0");
     case("missing values", &row("1,2,3"));
+    case("short direction", &row("1,2,3,1e-320,0,0"));
     case("too many values", &row("1,2,3,4,5,6,7"));
     case("empty value", &row("1,2,,4,5,6"));
     case("not a number", &row("1,2,three,4,5,6"));

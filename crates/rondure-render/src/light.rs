@@ -15,7 +15,7 @@ use crate::{
 pub(crate) enum Lamp {
     Point { position: Vec3, intensity: Rgb },
     Sun { direction: Vec3, irradiance: Rgb },
-    SunDisk { frame: Frame, radiance: Rgb, cap: f64 },
+    SunDisk { frame: Frame, light: Rgb, cap: f64 },
     Disk { center: Vec3, frame: Frame, radius: f64, radiance: Rgb },
     Sphere { center: Vec3, radius: f64, radiance: Rgb },
 }
@@ -49,8 +49,10 @@ impl Lamp {
                 }
                 // 1 - cos without cancellation.
                 let cap = 2.0 * (0.5 * angular_radius).sin().powi(2);
-                let radiance = irradiance / (PI * sin * sin);
-                Self::SunDisk { frame: Frame::new(direction), radiance, cap }
+                // The radiance, irradiance / (pi sin^2), times the solid angle, 2 pi cap, where
+                // cap / sin^2 = 1 / (1 + cos).
+                let light = irradiance * (2.0 / (1.0 + angular_radius.cos()));
+                Self::SunDisk { frame: Frame::new(direction), light, cap }
             }
             Light::Disk { center, normal, radius, radiance } => {
                 let frame = Frame::new(normal.normalized());
@@ -95,9 +97,8 @@ impl Lamp {
             Self::Sun { direction, irradiance: light } => {
                 Some(Incoming { direction, distance: f64::INFINITY, light, pdf: f64::INFINITY })
             }
-            Self::SunDisk { frame, radiance, cap } => {
+            Self::SunDisk { frame, light, cap } => {
                 let direction = frame.to_world(warp::cap(u, cap));
-                let light = radiance * (TAU * cap);
                 Some(Incoming { direction, distance: f64::INFINITY, light, pdf: f64::INFINITY })
             }
             Self::Disk { center, frame, radius, radiance } => {
@@ -118,14 +119,17 @@ impl Lamp {
                 })
             }
             Self::Sphere { center, radius, radiance } => {
-                let (to_center, cap) = visible_cap(center, radius, at)?;
+                let (to_center, cap) = visible_cap(center, radius, at);
                 let distance = to_center.length();
                 let local = warp::cap(u, cap);
-                let direction = Frame::new(to_center / distance).to_world(local);
-                // The near end of the chord: the distance along it less half its length.
+                let axis = if distance > 0.0 { to_center / distance } else { Vec3::Z };
+                let direction = Frame::new(axis).to_world(local);
+                // The near end of the chord, from inside the far one: the distance along it less
+                // or plus half its length.
                 let sin2 = (1.0 - local.z) * (1.0 + local.z);
-                let half2 = radius * radius - distance * distance * sin2;
-                let reach = distance * local.z - half2.max(0.0).sqrt();
+                let half = (radius * radius - distance * distance * sin2).max(0.0).sqrt();
+                let half = if cap < ALL_ROUND { -half } else { half };
+                let reach = distance * local.z + half;
                 let solid_angle = TAU * cap;
                 Some(Incoming {
                     direction,
@@ -147,21 +151,25 @@ impl Lamp {
                 if cos > 0.0 { distance * distance / (cos * PI * radius * radius) } else { 0.0 }
             }
             Self::Sphere { center, radius, .. } => {
-                visible_cap(center, radius, at).map_or(0.0, |(_, cap)| 1.0 / (TAU * cap))
+                let (_, cap) = visible_cap(center, radius, at);
+                1.0 / (TAU * cap)
             }
             Self::Point { .. } | Self::Sun { .. } | Self::SunDisk { .. } => 0.0,
         }
     }
 }
 
-/// The way to the centre of a sphere and 1 - cos of the half angle under which it is seen; `None`
-/// from inside.
+/// 1 - cos of the half angle under which a sphere is seen from inside.
+const ALL_ROUND: f64 = 2.0;
+
+/// The way to the centre of a sphere and 1 - cos of the half angle under which it is seen.
 #[inline]
-fn visible_cap(center: Vec3, radius: f64, at: Vec3) -> Option<(Vec3, f64)> {
+fn visible_cap(center: Vec3, radius: f64, at: Vec3) -> (Vec3, f64) {
     let to_center = center - at;
     let sin2 = radius * radius / to_center.length_squared();
     // 1 - cos = sin^2 / (1 + cos), without cancellation.
-    (sin2 < 1.0).then(|| (to_center, sin2 / (1.0 + (1.0 - sin2).sqrt())))
+    let cap = if sin2 < 1.0 { sin2 / (1.0 + (1.0 - sin2).sqrt()) } else { ALL_ROUND };
+    (to_center, cap)
 }
 
 /// The distance less the rounding of its ends, so that what the light is fixed to does not hide it.
@@ -228,7 +236,7 @@ mod tests {
         let color = [1.0; 3];
         let point = Light::Point { position: Vec3::new(0.0, 0.0, 2.0), intensity: color };
         assert!((irradiance(&point, Vec3::ZERO, Vec3::Z) - 0.25).abs() < 1e-14);
-        for angular_radius in [0.0, 1e-9, 0.00465, 0.3] {
+        for angular_radius in [0.0, 1e-160, 1e-9, 0.00465, 0.3] {
             let sun = Light::Sun { direction: Vec3::Z, irradiance: color, angular_radius };
             let found = irradiance(&sun, Vec3::ZERO, Vec3::Z);
             assert!((found - 1.0).abs() < 1e-5, "{angular_radius}: {found}");
@@ -243,6 +251,12 @@ mod tests {
         let sphere = Light::Sphere { center, radius, radiance: color };
         let found = irradiance(&sphere, Vec3::ZERO, Vec3::Z);
         assert!((found - PI * 0.0625).abs() < 1e-6, "{found}");
+        // All round: pi, wherever the point is.
+        for center in [Vec3::ZERO, Vec3::new(0.1, 0.2, -0.3)] {
+            let round = Light::Sphere { center, radius, radiance: color };
+            let found = irradiance(&round, Vec3::ZERO, Vec3::Z);
+            assert!((found - PI).abs() < 1e-4, "{found}");
+        }
     }
 
     #[test]
@@ -252,6 +266,10 @@ mod tests {
         for u in [(0.1, 0.2), (0.999, 0.7), (0.5, 0.5)] {
             let found = lamp.sample(Vec3::ZERO, u).unwrap();
             let place = found.direction * found.distance;
+            assert!(((place - center).length() - radius).abs() < 1e-13);
+            let inside = center + Vec3::new(0.1, -0.2, 0.3);
+            let found = lamp.sample(inside, u).unwrap();
+            let place = inside + found.direction * found.distance;
             assert!(((place - center).length() - radius).abs() < 1e-13);
         }
     }

@@ -17,23 +17,32 @@ pub(crate) struct Context<'t> {
     report: RefCell<Report>,
 }
 
+/// The largest number of a scene: fourth powers of it, as in the area of a rectangle squared, and
+/// sixth powers of what a million copies make of it, stay far from the largest f64.
+const LARGEST: f64 = 1e60;
+/// The smallest length and factor, for the same reason.
+pub(crate) const SMALLEST: f64 = 1e-60;
+
 /// Which numbers are allowed.
 #[derive(Clone, Copy)]
 pub(crate) struct Bounds {
     holds: fn(f64) -> bool,
     words: &'static str,
+    /// The least absolute value of a number other than 0.
+    smallest: f64,
 }
 
 impl Bounds {
-    pub(crate) const ANY: Self = Self { holds: |_| true, words: "finite" };
-    pub(crate) const POSITIVE: Self = Self { holds: |x| x > 0.0, words: "positive" };
-    pub(crate) const NOT_NEGATIVE: Self = Self { holds: |x| x >= 0.0, words: "0 or more" };
-    pub(crate) const NOT_ZERO: Self = Self { holds: |x| x != 0.0, words: "other than 0" };
-    pub(crate) const FRACTION: Self =
-        Self { holds: |x| (0.0..=1.0).contains(&x), words: "from 0 to 1" };
+    pub(crate) const ANY: Self = Self::new(|_| true, "finite");
+    pub(crate) const POSITIVE: Self =
+        Self { smallest: SMALLEST, ..Self::new(|x| x > 0.0, "positive") };
+    pub(crate) const NOT_NEGATIVE: Self = Self::new(|x| x >= 0.0, "0 or more");
+    pub(crate) const NOT_ZERO: Self =
+        Self { smallest: SMALLEST, ..Self::new(|x| x != 0.0, "other than 0") };
+    pub(crate) const FRACTION: Self = Self::new(|x| (0.0..=1.0).contains(&x), "from 0 to 1");
 
     pub(crate) const fn new(holds: fn(f64) -> bool, words: &'static str) -> Self {
-        Self { holds, words }
+        Self { holds, words, smallest: 0.0 }
     }
 }
 
@@ -241,8 +250,17 @@ impl<'a> Value<'a> {
             Some(x) if !x.is_finite() => {
                 self.fail(format!("`{}` must be finite, not {x}", self.key))
             }
-            Some(x) if (bounds.holds)(x) => Some(x),
-            Some(x) => self.fail(format!("`{}` must be {}, not {x}", self.key, bounds.words)),
+            Some(x) if !(bounds.holds)(x) => {
+                self.fail(format!("`{}` must be {}, not {}", self.key, bounds.words, short(x)))
+            }
+            Some(x) if x.abs() > LARGEST => {
+                self.fail(format!("`{}` is {x:e}; at most {LARGEST:e} can be handled", self.key))
+            }
+            Some(x) if x != 0.0 && x.abs() < bounds.smallest => {
+                let message = format!("`{}` is {x:e}; at least {SMALLEST:e} is needed", self.key);
+                self.fail(message)
+            }
+            Some(x) => Some(x),
             None => self.fail(format!("`{}` is too large a number", self.key)),
         }
     }
@@ -352,6 +370,11 @@ impl<'a> Value<'a> {
         let place = start..start + content.len();
         (self.cx.text.get(place.clone()) == Some(content)).then_some(place)
     }
+}
+
+/// A number without a long tail of zeros.
+fn short(x: f64) -> String {
+    if x == 0.0 || (1e-6..1e16).contains(&x.abs()) { x.to_string() } else { format!("{x:e}") }
 }
 
 fn integer(integer: &toml::de::DeInteger<'_>) -> Option<i64> {

@@ -43,7 +43,8 @@ pub struct Diagnostic {
 impl Diagnostic {
     /// An error without a place.
     pub fn error(message: impl Into<String>) -> Self {
-        Self { severity: Severity::Error, message: message.into(), labels: Vec::new(), help: None }
+        let message = one_line(message.into());
+        Self { severity: Severity::Error, message, labels: Vec::new(), help: None }
     }
 
     /// A warning without a place.
@@ -68,9 +69,22 @@ impl Diagnostic {
     /// With a word on what would be right.
     #[must_use]
     pub fn help(mut self, help: impl Into<String>) -> Self {
-        self.help = Some(help.into());
+        self.help = Some(one_line(help.into()));
         self
     }
+}
+
+/// The text with visible signs for line breaks and all that could command a terminal.
+fn one_line(text: String) -> String {
+    let visible = |c: char| match c {
+        '\0'..='\x1f' => {
+            char::from_u32(0x2400 + u32::from(c)).unwrap_or(char::REPLACEMENT_CHARACTER)
+        }
+        '\x7f' => '\u{2421}',
+        c if c.is_control() => char::REPLACEMENT_CHARACTER,
+        c => c,
+    };
+    if text.contains(char::is_control) { text.chars().map(visible).collect() } else { text }
 }
 
 /// A text, and the name under which it is shown: a path, or something like `<inline>`.
@@ -234,7 +248,9 @@ fn lines_round<'a>(
 ) -> Option<Range<usize>> {
     let all = spans.cloned().reduce(|a, b| a.start.min(b.start)..a.end.max(b.end))?;
     let start = text[..all.start].rfind('\n').map_or(0, |i| i + 1);
-    let end = text[all.end..].find('\n').map_or(text.len(), |i| all.end + i);
+    let rest = &text[all.end..];
+    let rest = rest.find('\n').map_or(rest, |i| &rest[..i]);
+    let end = all.end + rest.strip_suffix('\r').unwrap_or(rest).len();
     Some(start..end)
 }
 

@@ -1,6 +1,10 @@
 //! Text from files, with an error for everything that a path can turn out to be.
 
-use std::{fs::File, io::Read, path::Path};
+use std::{
+    fs::File,
+    io::{self, Read},
+    path::Path,
+};
 
 use crate::{Diagnostic, Report};
 
@@ -11,10 +15,18 @@ pub const LARGEST_FILE: u64 = 64 << 20;
 pub(crate) fn read_text(path: &Path) -> Result<String, Report> {
     let name = path.display();
     let fail = |message: String| Report::only(Diagnostic::error(message));
-    let unreadable = |e: std::io::Error| fail(format!("cannot read `{name}`: {e}"));
+    let unreadable = |e: io::Error| {
+        let help = match e.kind() {
+            io::ErrorKind::NotFound => "check the name and the folder",
+            io::ErrorKind::PermissionDenied => "check the file's permissions",
+            _ => "check the name, and the disk or the device that it is on",
+        };
+        Report::only(Diagnostic::error(format!("cannot read `{name}`: {}", plain(&e))).help(help))
+    };
     let file = File::open(path).map_err(unreadable)?;
     if file.metadata().map_err(unreadable)?.is_dir() {
-        return Err(fail(format!("cannot read `{name}`: it is a directory")));
+        let error = Diagnostic::error(format!("cannot read `{name}`: it is a directory"));
+        return Err(Report::only(error.help("give the name of a file in it")));
     }
     let mut bytes = Vec::new();
     file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(unreadable)?;
@@ -43,4 +55,13 @@ pub(crate) fn read_text(path: &Path) -> Result<String, Report> {
         text.drain(..'\u{feff}'.len_utf8());
     }
     Ok(text)
+}
+
+/// The message of the operating system without its number.
+fn plain(error: &io::Error) -> String {
+    let text = error.to_string();
+    match text.find(" (os error ") {
+        Some(end) => text[..end].to_lowercase(),
+        None => text,
+    }
 }

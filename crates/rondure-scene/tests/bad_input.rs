@@ -111,6 +111,14 @@ fn long_lines_are_cut() {
 }
 
 #[test]
+fn what_could_command_a_terminal_is_not_shown() {
+    let text = "[[object]]\r\nmaterial = \"\\u001b[31mred\\n\"\r\n";
+    let report = parse_scene("<scene>", text, Path::new("")).expect_err("good");
+    assert!(!report.plain().contains(|c: char| c.is_control() && c != '\n'), "{report}");
+    insta::assert_snapshot!("control-characters", report);
+}
+
+#[test]
 fn colors_are_only_in_the_colored_text() {
     let report = parse_scene("<scene>", "x = 1", Path::new("")).expect_err("good");
     assert!(!report.plain().contains('\x1b'));

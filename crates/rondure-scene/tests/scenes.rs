@@ -35,6 +35,17 @@ fn the_documentation_is_right() {
 }
 
 #[test]
+fn darkness_is_a_warning_however_it_comes() {
+    let camera = "[camera]\neye = [0, -5, 1]\nlook_at = [0, 0, 0]\n";
+    let black = "[sky]\nintensity = 0\n[[light]]\ntype = \"point\"\nposition = [0, 0, 1]\n\
+                 color = \"black\"\n";
+    for (text, warnings) in [("", 1), (black, 1), ("[sky]\ncolor = [0, 0, 1e-9]\n", 0)] {
+        let (_, report) = parse(&format!("{camera}{text}"));
+        assert_eq!(report.warnings(), warnings, "{text}: {report}");
+    }
+}
+
+#[test]
 fn first_example() {
     let (scene, _) = parse(&examples()[0]);
     assert_eq!((scene.film.width, scene.film.height, scene.film.spp), (640, 480, 64));

@@ -67,6 +67,7 @@ Output:
   reads back as exactly the same f64.
 
 Examples:
+  printf 'ox,oy,oz,dx,dy,dz\\n9,0,1,-1,0,0\\n' | rondure trace goblet.path --rays -
   rondure trace goblet.path --rays rays.csv > hits.csv
   rondure trace vase.svg --svg-id outline --axis 105 --scale 0.1 --rays rays.csv --all
   make-rays | rondure trace outline.csv --spline natural --rays - | head";

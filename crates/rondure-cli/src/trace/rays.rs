@@ -14,6 +14,10 @@ const REQUIRED: usize = 6;
 const T_MIN: usize = 6;
 const T_MAX: usize = 7;
 
+/// The shortest direction: the t of a point of any profile, which has coordinates up to 1e100, is
+/// finite from an origin anywhere near.
+const SHORTEST: f64 = 1e-200;
+
 /// Which column holds what, as the header says.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Columns {
@@ -135,6 +139,11 @@ impl Columns {
         if ray.direction == Vec3::ZERO {
             let title = "the direction is zero";
             return Err(whole_line(line, title, "one of dx, dy and dz must not be 0"));
+        }
+        if ray.direction.max_abs() < SHORTEST {
+            let title = format!("the direction is shorter than {SHORTEST:e}");
+            let help = "t is in units of the direction, and would be too large a number";
+            return Err(whole_line(line, &title, help));
         }
         if ray.t_min > ray.t_max {
             let title = format!("tmin = {} is larger than tmax = {}", ray.t_min, ray.t_max);

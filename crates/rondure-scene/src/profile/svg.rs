@@ -177,6 +177,15 @@ fn choose<'a, 'i>(root: Node<'a, 'i>, id: Option<&str>) -> Result<Node<'a, 'i>, 
     }
 }
 
+/// How much the ratio of two lengths is off that were written with six digits each, as Inkscape
+/// does.
+const WRITTEN_ROUNDING: f64 = 1e-5;
+
+/// What moves an element where it stands in a style.
+const MOTION: [&str; 5] = ["transform", "transform-origin", "translate", "rotate", "scale"];
+/// What shapes an element where it stands in a style.
+const GEOMETRY: [&str; 10] = ["d", "x", "y", "width", "height", "cx", "cy", "r", "rx", "ry"];
+
 /// The map from the element's own coordinates to user units of the document.
 fn transforms(element: Node<'_, '_>) -> Result<PlaneMap, Diagnostic> {
     let mut map = PlaneMap::IDENTITY;
@@ -187,15 +196,27 @@ fn transforms(element: Node<'_, '_>) -> Result<PlaneMap, Diagnostic> {
                 .at(tag(node), "this <svg> is not the outermost")
                 .help("move the shape out of it"));
         }
+        let own: &[&str] = if node == element { &GEOMETRY } else { &[] };
         if let Some(style) = node.attribute_node("style") {
-            let declared = |d: &str| d.split(':').next().map(str::trim) == Some("transform");
-            if style.value().split(';').any(declared) {
-                return Err(Diagnostic::error("a `transform` in a style is not supported")
+            let declared = |d: &str| {
+                let name = d.split(':').next().map_or("", str::trim);
+                MOTION.iter().chain(own).copied().find(|known| *known == name)
+            };
+            if let Some(name) = style.value().split(';').find_map(declared) {
+                return Err(Diagnostic::error(format!("a `{name}` in a style is not supported"))
                     .at(style.range_value(), "")
-                    .help("write it as the attribute `transform`"));
+                    .help(match MOTION.contains(&name) {
+                        true => "write the attribute `transform` instead".to_owned(),
+                        false => format!("write it as the attribute `{name}`"),
+                    }));
             }
         }
         if let Some(attribute) = node.attribute_node("transform") {
+            if let Some(origin) = node.attribute_node("transform-origin") {
+                return Err(Diagnostic::error("a `transform-origin` is not supported")
+                    .at(origin.range_value(), "")
+                    .help("write the shifts to it and back into the `transform`"));
+            }
             map = transform_list(&attribute)?.after(&map);
         }
     }
@@ -268,6 +289,16 @@ impl Page {
         let ratio = |length: Option<Length>, units| Some(length_in_px(length?)? / units);
         // `preserveAspectRatio`: the drawing fits into the page both ways.
         let ratios = [ratio(self.width, view_box.w), ratio(self.height, view_box.h)];
+        if let ([Some(across), Some(down)], Some(fit)) =
+            (ratios, root.attribute_node("preserveAspectRatio"))
+        {
+            let stretched = fit.value().contains("none") || fit.value().contains("slice");
+            if stretched && (across - down).abs() > WRITTEN_ROUNDING * across {
+                return Err(Diagnostic::error("the drawing is stretched or cut to fit its page")
+                    .at(fit.range_value(), "")
+                    .help("give `scale` instead of `unit`"));
+            }
+        }
         ratios.into_iter().flatten().reduce(f64::min).ok_or_else(|| {
             Diagnostic::error(
                 "the drawing does not say how large it is; `unit` has no meaning here",

@@ -46,6 +46,21 @@ pub(super) fn sky(table: Option<Table<'_>>) -> Sky {
     sky
 }
 
+/// Whether neither the sky nor any light gives light.
+pub(super) fn is_dark(sky: &Sky, lights: &[Light]) -> bool {
+    let sky_is_black = match *sky {
+        Sky::Constant { color } => color == BLACK,
+        Sky::Gradient { zenith, horizon, ground } => [zenith, horizon, ground] == [BLACK; 3],
+    };
+    let is_black = |light: &Light| match *light {
+        Light::Point { intensity: color, .. }
+        | Light::Sun { irradiance: color, .. }
+        | Light::Disk { radiance: color, .. }
+        | Light::Sphere { radiance: color, .. } => color == BLACK,
+    };
+    sky_is_black && lights.iter().all(is_black)
+}
+
 #[derive(Clone, Copy)]
 enum Kind {
     Point,

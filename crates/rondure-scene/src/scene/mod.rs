@@ -65,7 +65,7 @@ fn decode<'a>(cx: &'a Context<'a>, document: &'a DeTable<'a>, folder: &Path) -> 
     let film = view::film(section(&root, "film", "a film"));
     let camera = view::camera(root.get("camera"), cx);
     let sky = light::sky(section(&root, "sky", "a sky"));
-    let lights = match root.get("light") {
+    let lights: Vec<_> = match root.get("light") {
         Some(v) => v.tables("light", "a light").into_iter().filter_map(light::light).collect(),
         None => Vec::new(),
     };
@@ -73,7 +73,7 @@ fn decode<'a>(cx: &'a Context<'a>, document: &'a DeTable<'a>, folder: &Path) -> 
     let mut profiles = shared::Profiles::read(section(&root, "profiles", "the profiles"), folder);
     let objects = root.get("object").map_or_else(Vec::new, |v| v.tables("object", "an object"));
     let objects = object::objects(objects, &mut materials, &mut profiles);
-    let dark = !root.has("sky") && !root.has("light");
+    let dark = light::is_dark(&sky, &lights);
     root.finish();
     // Where there are errors, what is unused may be meant by them.
     if !cx.has_errors() {

@@ -4,8 +4,11 @@ use rondure::{Vec3, numeric::gamma};
 
 use crate::{
     Camera, Diagnostic, Film, Lens, Projection,
-    decode::{Bounds, Context, Table, Value},
+    decode::{Bounds, Context, SMALLEST, Table, Value},
 };
+
+/// The most reflections and refractions: as many as the renderer follows.
+const DEEPEST: u32 = 200;
 
 /// The most pixels along an edge: the number of pixels still fits a u32.
 const LARGEST_EDGE: u32 = 65_535;
@@ -20,7 +23,7 @@ pub(super) fn film(table: Option<Table<'_>>) -> Film {
         table.get(key).and_then(|v| v.whole(least, most)).unwrap_or(default)
     };
     film.spp = whole("spp", 1, 1 << 20, film.spp);
-    film.depth = whole("depth", 0, 1000, film.depth);
+    film.depth = whole("depth", 0, DEEPEST, film.depth);
     film.bits = table.get("bits").and_then(|v| bits(&v)).unwrap_or(film.bits);
     film.exposure = table.number("exposure", Bounds::POSITIVE).unwrap_or(film.exposure);
     table.finish();
@@ -120,6 +123,12 @@ fn check_view(
         let error =
             Diagnostic::error("the camera looks nowhere: `eye` and `look_at` are one point");
         cx.push(error.at(span("look_at"), "").and_at(span("eye"), ""));
+        return;
+    }
+    if view.max_abs() < SMALLEST {
+        let message = format!("`eye` and `look_at` are less than {SMALLEST:e} apart");
+        let error = Diagnostic::error(message).at(span("look_at"), "").and_at(span("eye"), "");
+        cx.push(error.help("measure the scene in a smaller unit of length"));
         return;
     }
     let Some(up) = up else { return };

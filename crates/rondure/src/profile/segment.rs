@@ -156,8 +156,9 @@ impl Arc {
     /// ellipse in radians, whether the longer arc is meant, and whether it turns from r towards z.
     ///
     /// Radii too small to reach both points are enlarged until they do, as SVG demands; radii that
-    /// are too large by no more than rounding give exactly half an ellipse. `None` where SVG draws a
-    /// straight line or nothing: a radius is zero, or the points coincide.
+    /// are too large by no more than rounding give exactly half an ellipse. `None` where a straight
+    /// line or nothing is to be drawn: a radius is zero, the points coincide, or the radii are so
+    /// large that the arc does not differ from its chord by more than their rounding.
     pub fn from_endpoints(
         start: Point,
         end: Point,
@@ -176,6 +177,11 @@ impl Arc {
         let chord =
             Point::new((cos * half.r + sin * half.z) / a, (cos * half.z - sin * half.r) / b);
         let half_length = chord.length();
+        // The arc bulges from its chord by half_length^2 / 2 of the radius. Where rounding of the
+        // radius is more than that, the chord is nearer to the arc than any point computed on it.
+        if !large && half_length * half_length <= 2.0 * gamma(8) {
+            return None;
+        }
         // Decimal coordinates make 1 - half_length wrong by a few units in the last place; the
         // centre would then move by the square root of that.
         let is_half = half_length >= 1.0 - gamma(8);
@@ -270,6 +276,24 @@ mod tests {
         let arc = Arc::from_endpoints(start, end, [2.0, 0.9], 0.6, true, false).unwrap();
         assert!((arc.point_at_angle(arc.start_angle) - start).length() < 1e-14);
         assert!((arc.point_at_angle(arc.start_angle + arc.sweep_angle) - end).length() < 1e-14);
+    }
+
+    #[test]
+    fn arcs_of_huge_radii_are_their_chords() {
+        let (start, end) = (p(1.0, 0.0), p(2.0, 1.0));
+        let arc = |radius, large| Arc::from_endpoints(start, end, [radius; 2], 0.0, large, true);
+        for radius in [1e9, 1e16, 1e99, 1e300] {
+            assert_eq!(arc(radius, false), None);
+            assert!(arc(radius, true).is_some());
+        }
+        for radius in [1.0, 1e3, 1e6] {
+            let middle = arc(radius, false).unwrap().point(0.5);
+            let bulge = (middle - start.lerp(end, 0.5)).length();
+            // radius (1 - cos), with half the chord sqrt(1/2) as the sine.
+            let sin2 = 0.5 / (radius * radius);
+            let expected = radius * sin2 / (1.0 + (1.0 - sin2).sqrt());
+            assert!((bulge - expected).abs() <= gamma(32) * radius, "{radius}: {bulge}");
+        }
     }
 
     #[test]
