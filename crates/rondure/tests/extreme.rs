@@ -1,6 +1,8 @@
 //! Extreme but valid geometry: no panic, closest is the first of all, and lines through closed
 //! profiles have an even number of hits.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
 use std::sync::Arc;
 
 use rondure::{Affine, Instance, Profile, Ray, Surface, Vec3};
