@@ -218,10 +218,11 @@ fn stretch(segment: &Segment, [s0, s1]: [f64; 2], [start, end]: [Point; 2]) -> P
             Piece::new(Kind::Cubic, [start, first, second, end])
         }
         Segment::Arc(arc) => {
-            let middle_angle = arc.start_angle + 0.5 * (s0 + s1) * arc.sweep_angle;
-            let weight = (0.5 * (s1 - s0) * arc.sweep_angle).cos();
-            let (sin, cos) = middle_angle.sin_cos();
-            let middle = arc.center + arc.conjugate(cos / weight, sin / weight);
+            // The tangents at both ends meet beyond the middle of the chord, along the radius.
+            let half = 0.5 * (s1 - s0) * arc.sweep_angle;
+            let (sin, cos) = (arc.start_angle + 0.5 * (s0 + s1) * arc.sweep_angle).sin_cos();
+            let (beyond, weight) = (half.sin() * half.tan(), half.cos());
+            let middle = start.lerp(end, 0.5) + arc.conjugate(beyond * cos, beyond * sin);
             Piece::new(Kind::Conic(weight), [start, middle, end, end])
         }
     }

@@ -353,7 +353,7 @@ fn bracketed_root(
     loop {
         // The parameter is between 0 and 1: it cannot be known better.
         if hi - lo <= 2.0 * UNIT_ROUNDOFF || !(lo < s && s < hi) {
-            return s.clamp(lo, hi);
+            return s.max(lo).min(hi);
         }
         let (value, derivative) = f(s);
         if value == 0.0 {

@@ -231,6 +231,9 @@ fn check(profile: &Profile) -> Result<(), ProfileError> {
     if profile.segments().all(Segment::is_point) {
         return Err(ProfileErrorKind::NoExtent { point: first.start() }.into());
     }
+    if profile.segments().all(|s| !matches!(s, Segment::Arc(_))) && all().all(|p| p.r == 0.0) {
+        return Err(ProfileErrorKind::OnAxis.into());
+    }
     let extent = all().fold(0.0_f64, |m, p| m.max((p - first.start()).length()).max(p.r.abs()));
     for size in [largest, extent] {
         if !(SMALLEST..=LARGEST).contains(&size) {

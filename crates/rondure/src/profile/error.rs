@@ -42,6 +42,8 @@ pub enum ProfileErrorKind {
         /// That point.
         point: Point,
     },
+    /// The whole profile lies on the axis, and sweeps no surface.
+    OnAxis,
     /// The coordinates are so large or so small that their squares leave the range of an f64.
     Magnitude {
         /// The largest absolute value of a coordinate.
@@ -81,6 +83,9 @@ impl fmt::Display for ProfileError {
                 "the whole profile is the single point (r = {}, z = {})",
                 point.r, point.z
             ),
+            ProfileErrorKind::OnAxis => {
+                write!(f, "the whole profile lies on the axis, r = 0: it sweeps no surface")
+            }
             ProfileErrorKind::Magnitude { largest } => write!(
                 f,
                 "the largest coordinate is {largest:e}; sizes from 1e-100 to 1e100 can be handled"

@@ -1,6 +1,6 @@
 //! One curve of the profile as it was drawn: line, quadratic or cubic Bézier, or elliptical arc.
 
-use core::f64::consts::{PI, TAU};
+use core::f64::consts::TAU;
 use core::ops::{Add, Mul, Sub};
 
 use crate::numeric::gamma;
@@ -201,24 +201,37 @@ impl Arc {
         );
         let unit = if is_half { chord * half_length.recip() } else { chord };
         let start_angle = (unit.z - across_z).atan2(unit.r - across_r);
-        let end_angle = (-unit.z - across_z).atan2(-unit.r - across_r);
-        let mut sweep_angle = if is_half { PI } else { (end_angle - start_angle).rem_euclid(TAU) };
+        // A difference of two angles would not know that of a flat arc as well as its chord does.
+        let half_sweep = half_length.atan2(height);
+        let mut sweep_angle = if large { TAU - 2.0 * half_sweep } else { 2.0 * half_sweep };
         if !sweep {
-            sweep_angle = if is_half { -PI } else { sweep_angle - TAU };
+            sweep_angle = -sweep_angle;
         }
         let rotation = if a == b { 0.0 } else { rotation };
         Some(Self { start, end, center, radii: [a, b], rotation, start_angle, sweep_angle })
     }
 
     /// The point at the fraction s of the sweep; exactly `start` and `end` at 0 and 1.
+    ///
+    /// Near an end it is reckoned from there, so that a flat arc of a huge circle has the accuracy of
+    /// its ends and not of its centre.
     pub fn point(&self, s: f64) -> Point {
-        if s == 0.0 {
-            self.start
-        } else if s == 1.0 {
-            self.end
+        const NEAR: f64 = 0.5;
+        let (before, after) = (s * self.sweep_angle, (1.0 - s) * self.sweep_angle);
+        if before.abs() <= NEAR {
+            self.start + self.chord(self.start_angle, before)
+        } else if after.abs() <= NEAR {
+            self.end + self.chord(self.start_angle + self.sweep_angle, -after)
         } else {
-            self.point_at_angle(self.start_angle + s * self.sweep_angle)
+            self.point_at_angle(self.start_angle + before)
         }
+    }
+
+    /// From the point of the ellipse at `angle` to the one at `angle + turn`.
+    fn chord(&self, angle: f64, turn: f64) -> Point {
+        let (sin, cos) = (angle + 0.5 * turn).sin_cos();
+        let length = 2.0 * (0.5 * turn).sin();
+        self.conjugate(-length * sin, length * cos)
     }
 
     /// The point of the whole ellipse at an angle.
@@ -238,7 +251,7 @@ impl Arc {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use core::f64::consts::FRAC_PI_2;
+    use core::f64::consts::{FRAC_PI_2, PI};
 
     fn p(r: f64, z: f64) -> Point {
         Point::new(r, z)
@@ -294,6 +307,15 @@ mod tests {
             let expected = radius * sin2 / (1.0 + (1.0 - sin2).sqrt());
             assert!((bulge - expected).abs() <= gamma(32) * radius, "{radius}: {bulge}");
         }
+    }
+
+    #[test]
+    fn flat_arcs_have_the_accuracy_of_their_ends() {
+        // The circle of radius 1e6 through the ends; its sagitta is 0.25e-6 + O(1e-18).
+        let arc = Arc::from_endpoints(p(1.0, 0.0), p(2.0, 1.0), [1e6; 2], 0.0, false, true);
+        let middle = arc.unwrap().point(0.5);
+        let off = 0.25e-6 / core::f64::consts::SQRT_2;
+        assert!((middle - p(1.5 + off, 0.5 - off)).length() < 1e-15, "{middle:?}");
     }
 
     #[test]
