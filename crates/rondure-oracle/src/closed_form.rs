@@ -3,7 +3,7 @@
 //! None of this knows about profiles: it is what the oracle itself is tested against.
 
 use dashu_int::IBig;
-use rondure::Ray;
+use rondure::{Ray, numeric::UNIT_ROUNDOFF};
 
 use crate::{
     exact::{Double, align, ratio, shl, sqrt, to_double},
@@ -121,12 +121,13 @@ fn upright(ray: &Ray, radius: f64, height: f64, cone: bool) -> Vec<Double> {
 }
 
 fn torus(ray: &Ray, major: f64, minor: f64) -> Vec<Double> {
-    // The stretch of the line inside a slightly larger ball.
+    // The stretch of the line inside a ball half as large again: generous, as `middle` is an f64 and
+    // off by a few units of the distance of the origin.
     let (o, d) = (ray.origin, ray.direction);
     let speed = d.length();
     let unit = d * speed.recip();
     let middle = -o.dot(unit);
-    let reach = 1.5 * (major + minor) + 1e-9 * o.length();
+    let reach = 1.5 * (major + minor) + 32.0 * UNIT_ROUNDOFF * o.length();
     let ends = [(middle - reach) / speed, (middle + reach) / speed];
     let (lengths, mut length_unit) = align(&[o.x, o.y, o.z, major, minor]);
     let (direction, direction_unit) = align(&[d.x, d.y, d.z]);
@@ -163,14 +164,19 @@ impl Solid {
     pub fn incidence(&self, ray: &Ray, t: Double) -> f64 {
         let p = ray.at(t.hi);
         let rho = p.x.hypot(p.y);
-        let slab = |z: f64, height: f64| z.abs() < 1e-9 || (z - height).abs() < 1e-9;
-        // The normal as its radial part over rho, and its axial part.
+        // The normal as its radial part over rho, and its axial part; of a wall and a flat end, that of
+        // the one that the point is nearer to.
         let (radial, axial) = match *self {
             Self::Sphere { .. } => (1.0, p.z),
-            Self::Cylinder { height, .. } if slab(p.z, height) => (0.0, 1.0),
-            Self::Cylinder { .. } => (1.0 / rho, 0.0),
-            Self::Cone { .. } if p.z.abs() < 1e-9 => (0.0, 1.0),
-            Self::Cone { radius, height } => (height / rho, radius),
+            Self::Cylinder { radius, height } => {
+                let to_end = p.z.abs().min((p.z - height).abs());
+                if to_end < (rho - radius).abs() { (0.0, 1.0) } else { (1.0 / rho, 0.0) }
+            }
+            Self::Cone { radius, height } => {
+                let slant = height.hypot(radius);
+                let to_wall = (rho * height + (p.z - height) * radius).abs() / slant;
+                if p.z.abs() < to_wall { (0.0, 1.0) } else { (height / rho, radius) }
+            }
             Self::Torus { major, .. } => ((rho - major) / rho, p.z),
         };
         let d = ray.direction;

@@ -27,6 +27,10 @@ use crate::{
 /// some 1e-28 of the object's size.
 const PARAMETER_BITS: i64 = 96;
 
+/// Within this slope of the cone that touches a pole, a line cannot be told to be steeper than it by a
+/// tangency estimate of first order.
+const CONE_MARGIN: f64 = 1e-6;
+
 /// Lines with |dz| < 2^-`LEVEL_BITS` |d| count as all but level.
 const LEVEL_BITS: i64 = 20;
 
@@ -450,13 +454,13 @@ impl Oracle {
 
     /// The distance between the line and a pole in space, if moving the line across the pole can
     /// change the number of hits: if it is no steeper than the cone that touches the surface there,
-    /// with a margin of 1e-6 within which the surface is taken for that cone.
+    /// by a margin within which the surface is taken for that cone.
     fn pole_distance(&self, setup: &Setup, piece: &Piece, end: usize) -> f64 {
         let at = Place::at(piece, IBig::from(end as i64), 0, setup);
         let (tr, tz) = at.tangent(piece);
         let dz = to_f64(&setup.dz, setup.unit_direction);
         let across = to_f64(&setup.a, 2 * setup.unit_direction).sqrt();
-        if dz.abs() * tr.abs() > across * (1.001 * tz.abs() + 1e-6 * tr.abs()) {
+        if dz.abs() * tr.abs() > across * (tz.abs() + CONE_MARGIN * (tz.abs() + tr.abs())) {
             return f64::INFINITY;
         }
         // |(p - o) x d|^2 = k^2 + a h^2 + 2 b h dz + c dz^2, where p - o = (-ox, -oy, h).

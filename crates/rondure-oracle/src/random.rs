@@ -2,6 +2,10 @@
 
 use rondure::{Profile, Ray, Vec3};
 
+/// Less than the last place of any number near 1: beside such a number it vanishes, beside 0 it is all
+/// there is.
+const TINY: f64 = 1e-17;
+
 /// SplitMix64 (Steele, Lea, Flood 2014): small, and good enough to scatter test rays.
 #[derive(Clone, Debug)]
 pub struct Random(u64);
@@ -72,7 +76,7 @@ impl Random {
                 if base == 0.0 || !moved.is_finite() { base } else { moved }
             }
             4 => base,
-            _ => base + 1e-17 * self.within(-1.0, 1.0),
+            _ => base + TINY * self.within(-1.0, 1.0),
         }
     }
 
