@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use rondure::engine::Criterion;
+use rondure::engine::{Criterion, Statistics};
 use rondure::{EngineOptions, Method};
 use rondure_render::Picture;
 
@@ -268,31 +268,10 @@ impl Report {
     /// None that writing to memory does not have.
     pub fn csv(&self) -> Result<Vec<u8>, csv::Error> {
         let mut table = csv::Writer::from_writer(Vec::new());
-        table.write_record([
-            "scene",
-            "method",
-            "subdivide",
-            "criterion",
-            "samples",
-            "seconds_best",
-            "seconds_median",
-            "nanoseconds_per_ray",
-            "rays",
-            "nodes_visited",
-            "nodes_there",
-            "shell_tests",
-            "positive_tests",
-            "leaf_solves",
-        ])?;
-        let mut record = |scene: &str, e: &EngineOptions, times: [String; 3], w| {
-            let rondure::engine::Statistics {
-                rays,
-                nodes_visited,
-                nodes_there,
-                shell_tests,
-                positive_tests,
-                leaf_solves,
-            } = w;
+        let settings = ["scene", "method", "subdivide", "criterion", "samples"];
+        let times = ["seconds_best", "seconds_median", "nanoseconds_per_ray"];
+        table.write_record(settings.iter().chain(&times).chain(&Statistics::NAMES))?;
+        let mut record = |scene: &str, e: &EngineOptions, times: [String; 3], work: Statistics| {
             let mut fields = vec![
                 scene.to_owned(),
                 e.method.name().to_owned(),
@@ -301,9 +280,7 @@ impl Report {
                 e.samples.to_string(),
             ];
             fields.extend(times);
-            let numbers =
-                [rays, nodes_visited, nodes_there, shell_tests, positive_tests, leaf_solves];
-            fields.extend(numbers.map(|n: u64| n.to_string()));
+            fields.extend(work.numbers().map(|n| n.to_string()));
             table.write_record(fields)
         };
         for scene in &self.measured {

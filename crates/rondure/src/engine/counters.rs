@@ -43,6 +43,17 @@ pub struct Statistics {
 }
 
 impl Statistics {
+    /// The names of the numbers, in the order of [`numbers`](Self::numbers).
+    pub const NAMES: [&str; 6] =
+        ["rays", "nodes_visited", "nodes_there", "shell_tests", "positive_tests", "leaf_solves"];
+
+    /// All numbers.
+    pub fn numbers(&self) -> [u64; 6] {
+        let Self { rays, nodes_visited, nodes_there, shell_tests, positive_tests, leaf_solves } =
+            *self;
+        [rays, nodes_visited, nodes_there, shell_tests, positive_tests, leaf_solves]
+    }
+
     /// The work of two engines together.
     #[must_use]
     pub fn plus(&self, other: &Self) -> Self {
@@ -82,16 +93,7 @@ pub(crate) struct Counters([AtomicU64; 6]);
 
 impl Counters {
     pub(crate) fn add(&self, work: &Statistics) {
-        let Statistics {
-            rays,
-            nodes_visited,
-            nodes_there,
-            shell_tests,
-            positive_tests,
-            leaf_solves,
-        } = *work;
-        let numbers = [rays, nodes_visited, nodes_there, shell_tests, positive_tests, leaf_solves];
-        for (sum, number) in self.0.iter().zip(numbers) {
+        for (sum, number) in self.0.iter().zip(work.numbers()) {
             sum.fetch_add(number, Ordering::Relaxed);
         }
     }
