@@ -2,9 +2,13 @@
 //! `cargo run --release -p rondure --example speed profiles/*.path`
 //!
 //! Camera rays come from a pinhole in scanline order; random rays run from the sphere round the
-//! bounding box to a point in the box. The best of seven rounds counts.
+//! bounding box to a point in the box. The best of seven rounds counts, in CPU time.
+//! `--engine NAME` and `--instructions NAME` choose how.
 
-use std::{env, error::Error, fs, time::Instant};
+use std::{env, error::Error, fs};
+
+use cpu_time::ThreadTime;
+use rondure::engine::{EngineOptions, Instructions, Method};
 
 use rondure::{Bounds, Profile, Ray, Surface, Vec3};
 
@@ -15,9 +19,26 @@ fn main() -> Result<(), Box<dyn Error>> {
         "{:<28} {:<8} {:>12} {:>9} {:>6}",
         "profile", "rays", "closest M/s", "any M/s", "hit %"
     );
-    for file in env::args().skip(1) {
+    let mut options = EngineOptions::default();
+    let mut args = env::args().skip(1);
+    while let Some(file) = args.next() {
+        match file.as_str() {
+            "--engine" => {
+                let name = args.next();
+                let method = Method::ALL.iter().find(|(_, n)| Some(*n) == name.as_deref());
+                options.method = method.ok_or("no such engine")?.0;
+                continue;
+            }
+            "--instructions" => {
+                let name = args.next();
+                let found = Instructions::ALL.iter().find(|(_, n)| Some(*n) == name.as_deref());
+                options.instructions = found.ok_or("no such instructions")?.0;
+                continue;
+            }
+            _ => {}
+        }
         let profile = Profile::from_path_data(&fs::read_to_string(&file)?)?;
-        let surface = Surface::new(&profile);
+        let surface = Surface::with_engine(&profile, &options);
         for (name, rays) in [("camera", camera_rays()), ("random", random_rays(&surface.bounds()))]
         {
             let (closest, hits) = best(&rays, |ray| surface.closest(ray).is_some());
@@ -32,7 +53,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// Millions of rays a second in the best round, and how many of them hit.
 fn best(rays: &[Ray], hit: impl Fn(&Ray) -> bool) -> (f64, usize) {
     let rounds = (0..ROUNDS).map(|_| {
-        let start = Instant::now();
+        let start = ThreadTime::now();
         let hits = rays.iter().filter(|ray| hit(ray)).count();
         (rays.len() as f64 / start.elapsed().as_secs_f64() * 1e-6, hits)
     });

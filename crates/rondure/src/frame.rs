@@ -15,6 +15,8 @@ pub(crate) struct Frame {
     center: Vec3,
     /// A bound on the squared distance of the surface's points from there.
     radius2: f64,
+    /// Twice the square root of that.
+    reach: f64,
     /// The rows of the linear map from the world to the surface; `None` for the identity.
     inverse: Option<[Vec3; 3]>,
 }
@@ -52,7 +54,7 @@ impl Frame {
     /// and no point is farther from there than `radius`.
     pub(crate) fn unplaced(center_z: f64, radius: f64) -> Self {
         let center = Vec3::new(0.0, 0.0, center_z);
-        Self { center, radius2: grown(radius * radius), inverse: None }
+        Self { center, radius2: grown(radius * radius), reach: 2.0 * grown(radius), inverse: None }
     }
 
     /// The same surface placed in the world; `None` if the placement has no finite inverse.
@@ -64,6 +66,7 @@ impl Frame {
         (radius2.is_finite() && center.is_finite()).then_some(Self {
             center,
             radius2,
+            reach: 2.0 * grown(stretch * radius),
             inverse: Some(inverse),
         })
     }
@@ -76,20 +79,19 @@ impl Frame {
 
     /// The ray in the surface's frame; `None` if it passes the surface at a distance, runs away from
     /// it, or is no ray.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn enter(&self, ray: &Ray) -> Option<LocalRay> {
         let largest = ray.direction.max_abs();
-        if !(ray.direction.is_finite() && ray.origin.is_finite() && largest > 0.0) {
-            return None;
-        }
         let scale = reciprocal_power_of_two(largest);
         let direction = ray.direction * scale;
-        let length2 = direction.length_squared();
+        // Not a number from here on, up to the comparison with the reach, if a coordinate is not
+        // finite or the direction is zero.
+        let per_length2 = 1.0 / direction.length_squared();
 
         let (x, x_low) = two_diff(ray.origin.x, self.center.x);
         let (y, y_low) = two_diff(ray.origin.y, self.center.y);
         let (z, z_low) = two_diff(ray.origin.z, self.center.z);
-        let mut shift = -Vec3::new(x, y, z).dot(direction) / length2;
+        let mut shift = -Vec3::new(x, y, z).dot(direction) * per_length2;
         let along = |t: f64, from: Vec3| {
             Vec3::new(
                 t.mul_add(direction.x, from.x),
@@ -98,24 +100,30 @@ impl Frame {
             )
         };
         let mut origin = along(shift, Vec3::new(x, y, z)) + Vec3::new(x_low, y_low, z_low);
-        let rest = -origin.dot(direction) / length2;
-        if rest * rest * length2 > self.radius2 {
+        let rest = -origin.dot(direction);
+        if rest * rest * per_length2 > self.radius2 {
             // From so far away that the parameter's own rounding is longer than the surface.
+            let rest = rest * per_length2;
             shift += rest;
             origin = along(rest, origin);
         }
 
         let reach2 = self.radius2 - origin.length_squared();
-        if reach2 < 0.0 {
+        if !(reach2 >= 0.0) {
             return None;
         }
-        // The move went to the closest point only up to rounding, hence twice the reach.
-        let reach = 2.0 * (self.radius2 / length2).sqrt();
+        // The move went to the closest point only up to rounding, hence twice the radius. The
+        // direction is no shorter than 1, unless it was subnormal.
+        let mut reach = self.reach;
+        if largest < f64::MIN_POSITIVE {
+            reach *= per_length2.sqrt();
+        }
         let rounding = |t: f64| gamma(16) * (t.abs() + shift.abs() + reach);
-        let (t_min, t_max) = (ray.t_min / scale, ray.t_max / scale);
+        let per_scale = 1.0 / scale;
+        let (t_min, t_max) = (ray.t_min * per_scale, ray.t_max * per_scale);
         let lo = (t_min - shift - rounding(t_min)).max(-reach);
         let hi = (t_max - shift + rounding(t_max)).min(reach);
-        if lo > hi || reach2.is_nan() {
+        if lo > hi {
             return None;
         }
 

@@ -43,3 +43,4 @@ pub use interaction::Interaction;
 pub use profile::{Point, Profile, ProfileError, ProfileErrorKind, Segment, Spline};
 pub use surface::{Hit, Surface};
 pub use vector::{Ray, Vec3};
+

@@ -26,6 +26,8 @@ use crate::numeric::UNIT_ROUNDOFF;
 pub(crate) struct Meridian {
     /// dx^2 + dy^2, as a length.
     pub(crate) speed: f64,
+    /// 1 / speed; 0 for a ray parallel to the axis.
+    pub(crate) inverse_speed: f64,
     /// X at t = 0.
     pub(crate) offset: f64,
     /// The squared distance at which the ray passes the axis.
@@ -57,29 +59,31 @@ const PERPENDICULAR: f64 = 1e-200;
 impl Meridian {
     /// `origin` is relative to the surface's centre and no farther from it than a few of the
     /// surface's sizes; the largest coordinate of `direction` lies between 1 and 2.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn new(origin: Vec3, direction: Vec3) -> Self {
         // Adding zero takes the sign off -0: dz and 1 / dz then agree on which way the ray goes.
         let (o, d) = (origin, Vec3 { z: direction.z + 0.0, ..direction });
         let a = d.x * d.x + d.y * d.y;
-        let (speed, offset, delta2) = if a < PARALLEL {
-            (0.0, o.x.hypot(o.y), 0.0)
+        let (speed, inverse_speed, offset, delta2) = if a < PARALLEL {
+            (0.0, 0.0, o.x.hypot(o.y), 0.0)
         } else {
             let speed = a.sqrt();
-            let delta = (o.x * d.y - o.y * d.x) / speed;
-            (speed, (o.x * d.x + o.y * d.y) / speed, delta * delta)
+            let inverse_speed = 1.0 / speed;
+            let delta = (o.x * d.y - o.y * d.x) * inverse_speed;
+            (speed, inverse_speed, (o.x * d.x + o.y * d.y) * inverse_speed, delta * delta)
         };
         let inverse_dz = 1.0 / d.z;
         let steep = d.z.abs() >= speed;
         let (z0, x0, slope, kappa, h, eta) = if steep {
             (o.z, offset, speed * inverse_dz, delta2, 1.0, 1.0)
         } else {
-            let h = d.z / speed;
+            let h = d.z * inverse_speed;
             let eta = if h * h < PERPENDICULAR { 0.0 } else { h * h };
             (o.z - h * offset, 0.0, 1.0, eta * delta2, h.abs(), eta)
         };
         Self {
             speed,
+            inverse_speed,
             offset,
             delta2,
             oz: o.z,
@@ -96,13 +100,13 @@ impl Meridian {
     }
 
     /// X at a height. It grows, or falls, linearly with the height.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn x(&self, z: f64) -> f64 {
         self.x0 + self.slope * (z - self.z0)
     }
 
     /// The factor between a difference of heights and the difference of X.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn slope(&self) -> f64 {
         self.slope
     }
@@ -110,7 +114,7 @@ impl Meridian {
     /// F for two points of the profile, as a symmetric bilinear form: with both points the same it
     /// is F itself, which is negative where the point is farther from the axis than the ray is at
     /// its height.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn form(&self, [x_a, x_b]: [f64; 2], [r_a, r_b]: [f64; 2]) -> f64 {
         (x_a * x_b - self.eta * (r_a * r_b)) + self.kappa
     }
@@ -141,7 +145,7 @@ impl Meridian {
     /// Of z = oz + t dz and r^2 = X(t)^2 + delta^2 the better conditioned one is solved for t. A
     /// rounding error of u in r^2 moves X by u r^2 / |X|, one in z moves it by u r / h; and where X
     /// itself is below the rounding sqrt(u) r of its square, the latter is larger for h^2 < u.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn t(&self, r: f64, z: f64, above: bool) -> f64 {
         if self.steep {
             return (z - self.oz) * self.inverse_dz;
@@ -151,7 +155,7 @@ impl Meridian {
             let outward = above == (self.dz >= 0.0);
             let reach = reach2.max(0.0).sqrt();
             let x = if outward { reach } else { -reach };
-            (x - self.offset) / self.speed
+            (x - self.offset) * self.inverse_speed
         } else {
             (z - self.oz) * self.inverse_dz
         }
@@ -159,7 +163,7 @@ impl Meridian {
 
     /// The squared distance, along the ray's shadow on the plane z = 0, from the point closest to
     /// the axis to the circle of radius r; not positive where the ray stays outside the circle.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn reach2(&self, r: f64) -> f64 {
         r * r - self.delta2
     }
@@ -171,7 +175,7 @@ impl Meridian {
         let reach2 = self.reach2(r);
         (reach2 > 0.0).then(|| {
             let reach = reach2.sqrt();
-            [(-reach - self.offset) / self.speed, (reach - self.offset) / self.speed]
+            [-reach, reach].map(|x| (x - self.offset) * self.inverse_speed)
         })
     }
 }

@@ -58,7 +58,7 @@ impl Frusta {
             Method::Co => {
                 Culling::Co(shell_tree::build(frusta, k, |part, _| Cone::or_upright(part, radius)))
             }
-            Method::Exact | Method::Hy => {
+            Method::Wide | Method::Exact | Method::Hy => {
                 let inner = |part: &[Piece]| match options.criterion {
                     Criterion::Area { cone_weight } => {
                         hybrid::least_area(part, radius, cone_weight)

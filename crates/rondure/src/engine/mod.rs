@@ -14,18 +14,22 @@ mod shell_tree;
 mod strip_tree;
 mod tree;
 mod view;
+pub(crate) mod wide;
 
 pub use counters::Statistics;
-pub use options::{Criterion, EngineOptions, Method};
+pub use options::{Criterion, EngineOptions, Instructions, Method};
 pub use view::{Region, TreeNode};
 
 pub(crate) use polyline::Polyline;
 
 use std::sync::Arc;
 
+use fearless_simd::Level;
+
 use self::counters::{Count, Counters};
 use self::frusta::Frusta;
 use self::tree::Tree;
+use self::wide::Wide;
 use crate::meridian::Meridian;
 use crate::piece::Piece;
 use crate::shell::Cone;
@@ -33,6 +37,8 @@ use crate::shell::Cone;
 /// The part of an engine that searches.
 #[derive(Clone, Debug)]
 pub(crate) enum Engine {
+    /// Sixteen pieces at once.
+    Wide(Box<Wide>),
     /// A tree with one piece in each leaf.
     Exact(Tree<Cone>),
     /// The paper's methods, over frusta.
@@ -42,13 +48,16 @@ pub(crate) enum Engine {
 }
 
 impl Engine {
-    /// Builds an engine over the pieces of a profile, which must not be empty. For every method but
-    /// [`Method::Exact`] the pieces must be straight. `radius` is that of the sphere round them.
+    /// Builds an engine over the pieces of a profile, which must not be empty. For every method that
+    /// is not [exact](Method::is_exact) the pieces must be straight. `radius` is that of the sphere round them.
     pub(crate) fn new(pieces: &[Piece], radius: f64, options: &EngineOptions) -> Self {
-        let engine = if options.method == Method::Exact {
-            Self::Exact(shell_tree::exact(pieces, radius))
-        } else {
-            Self::Frusta(Box::new(Frusta::new(pieces, radius, options)))
+        let engine = match options.method {
+            Method::Wide => {
+                let level = options.instructions.level().unwrap_or_else(Level::new);
+                Self::Wide(Box::new(Wide::new(pieces, radius, level)))
+            }
+            Method::Exact => Self::Exact(shell_tree::exact(pieces, radius)),
+            _ => Self::Frusta(Box::new(Frusta::new(pieces, radius, options))),
         };
         if options.counted {
             Self::Counted(Box::new(engine), Arc::new(Counters::default()))
@@ -63,9 +72,19 @@ impl Engine {
     #[inline]
     pub(crate) fn walk(&self, ray: &Meridian, range: [f64; 2], visit: impl FnMut(u32) -> f64) {
         match self {
+            Self::Wide(wide) => wide.candidates(ray, range, &mut (), visit),
             Self::Exact(tree) => walk_exact(tree, ray, range, &mut (), visit),
             Self::Frusta(frusta) => frusta.walk(ray, range, &mut (), visit),
             Self::Counted(engine, counters) => engine.walk_counted(ray, range, counters, visit),
+        }
+    }
+
+    /// The wide engine, if that is what it is, and does not count.
+    #[inline(always)]
+    pub(crate) fn wide(&self) -> Option<&Wide> {
+        match self {
+            Self::Wide(wide) => Some(wide),
+            _ => None,
         }
     }
 
@@ -78,6 +97,7 @@ impl Engine {
     ) {
         let mut work = Statistics { rays: 1, ..Statistics::default() };
         match self {
+            Self::Wide(wide) => wide.candidates(ray, range, &mut work, visit),
             Self::Exact(tree) => walk_exact(tree, ray, range, &mut work, visit),
             Self::Frusta(frusta) => frusta.walk(ray, range, &mut work, visit),
             Self::Counted(..) => {}
@@ -89,6 +109,7 @@ impl Engine {
     /// The number of nodes in the tree.
     pub(crate) fn node_count(&self) -> usize {
         match self {
+            Self::Wide(wide) => wide.node_count(),
             Self::Exact(tree) => tree.nodes.len(),
             Self::Frusta(frusta) => frusta.node_count(),
             Self::Counted(engine, _) => engine.node_count(),

@@ -116,6 +116,7 @@ impl Engine {
     /// All nodes of the tree, in depth-first order. `raised` is the height of the pieces' origin.
     pub(crate) fn view(&self, pieces: &[Piece], raised: f64) -> Vec<TreeNode> {
         match self {
+            Self::Wide(_) => Vec::new(),
             Self::Exact(tree) => view(tree, pieces, raised),
             Self::Frusta(frusta) => match &frusta.culling {
                 Culling::Kj(tree) => view(tree, pieces, raised),
@@ -141,6 +142,7 @@ impl Engine {
             met.map(|m| node.shell.intervals(ray, m).iter().copied().collect()).unwrap_or_default()
         }
         match self {
+            Self::Wide(_) => Vec::new(),
             Self::Exact(tree) => of(tree, node, ray, range),
             Self::Frusta(frusta) => match &frusta.culling {
                 Culling::Kj(tree) => of(tree, node, ray, range),

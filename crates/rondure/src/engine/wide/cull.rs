@@ -1,0 +1,341 @@
+//! Which leaves a ray hits: sixteen at a time, in f32, without a division but the last.
+//!
+//! Everything is measured in a unit near the surface's radius, so that f32 holds it. With the ray in the
+//! form `F = X^2 + kappa - eta w` (see [`meridian`](crate::meridian); w = rho^2, X linear in z), a leaf
+//! lies, in the plane (z, w), near the chord of its ends, no more than `below` under and `above` over
+//! it. Along the chord F is a parabola that opens upwards, with the second difference dX^2. Hence on
+//! the leaf
+//!
+//! ```text
+//! min(F0, F1) - dX^2 / 4 - eta above  <=  F  <=  max(F0, F1) + eta below,
+//! ```
+//!
+//! and if 0 is not in between, the whole line misses the leaf. Ranges of z and w tell whether the
+//! part of the line that counts comes near it. Groups of leaves are boxes in (z, w), tested likewise.
+//!
+//! Of the leaves that remain, most have one root or none for certain, by the argument of
+//! [`leaf`](super::leaf), with room for the rounding of f32. The others are left to that.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16};
+
+use crate::meridian::Meridian;
+use crate::numeric::gamma;
+use crate::piece::{Kind, Piece};
+
+/// How many pieces or boxes are tested at once.
+pub(super) const LANES: usize = 16;
+
+/// How far rounding can move F, z and w here, twice over. The radius is below 2, so z and slope z and
+/// sqrt(w) are, and X where F is near 0; X at z = 0 is below 4. With u = 2^-24 that makes an error of 10 u
+/// in X, of 44 u in X^2, and of 20 u in kappa and eta w.
+pub(super) const PADDING: f32 = 128.0 * (0.5 * f32::EPSILON);
+
+/// How far it can move sqrt(eta w - kappa): no more than the square root of that, rounded up.
+const ROOT_PADDING: f32 = 1.0 / 256.0;
+
+/// Sixteen leaves.
+#[derive(Clone, Debug)]
+#[repr(C, align(64))]
+pub(super) struct Block {
+    /// The heights of the two ends, the lower one first.
+    z: [[f32; LANES]; 2],
+    /// w at the same ends.
+    w: [[f32; LANES]; 2],
+    below: [f32; LANES],
+    above: [f32; LANES],
+    /// The range of r r' / z'.
+    slopes: [[f32; LANES]; 2],
+}
+
+/// What is known of sixteen leaves: sets of bits.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Hits {
+    /// Those that have one root, for certain,
+    pub(super) sure: u32,
+    /// of which these have it at a height where the line is.
+    pub(super) inside: u32,
+    /// Those that may have some.
+    pub(super) unsure: u32,
+    /// Of the sure ones: about where on the leaf, from 0 to 1 from its lower end,
+    pub(super) guess: [f32; LANES],
+    /// and whether X >= 0 there.
+    pub(super) above: u32,
+}
+
+/// Sixteen boxes in (z, w).
+#[derive(Clone, Debug)]
+#[repr(C, align(64))]
+pub(super) struct Boxes {
+    z: [[f32; LANES]; 2],
+    w: [[f32; LANES]; 2],
+}
+
+/// A ray for these tests.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Line {
+    slope: f32,
+    /// X at z = 0.
+    x: f32,
+    kappa: f32,
+    eta: f32,
+    /// Between which heights, and at which w, the part of the line lies that counts.
+    z: [f32; 2],
+    w: [f32; 2],
+    /// z as a function of the ray's parameter, to shorten the line.
+    oz: f64,
+    dz: f64,
+    unit: f64,
+    /// The height at which it was shortened, with room for rounding.
+    end: f64,
+    pad: f64,
+}
+
+impl Line {
+    /// The part of a ray between the parameters `range`, in units of 1 / `unit`.
+    #[inline(always)]
+    pub(super) fn new(ray: &Meridian, range: [f64; 2], unit: f64) -> Self {
+        let x = range.map(|t| ray.offset + ray.speed * t);
+        let squares = x.map(|x| x * x);
+        let nearest = if x[0] < 0.0 && x[1] > 0.0 { 0.0 } else { squares[0].min(squares[1]) };
+        let farthest = squares[0].max(squares[1]);
+        let square = unit * unit;
+        let mut line = Self {
+            slope: ray.slope() as f32,
+            x: (ray.x(0.0) * unit) as f32,
+            kappa: (ray.kappa() * square) as f32,
+            eta: ray.eta as f32,
+            z: [f32::NEG_INFINITY, f32::INFINITY],
+            w: [
+                ((ray.delta2 + nearest) * square) as f32 - PADDING,
+                ((ray.delta2 + farthest) * square) as f32 + PADDING,
+            ],
+            oz: ray.oz,
+            dz: ray.dz,
+            unit,
+            end: if ray.dz >= 0.0 { f64::INFINITY } else { f64::NEG_INFINITY },
+            pad: gamma(64) * 4.0 / unit,
+        };
+        let z = range.map(|t| ((line.oz + line.dz * t) * unit) as f32);
+        line.z = [z[0].min(z[1]) - PADDING, z[0].max(z[1]) + PADDING];
+        line
+    }
+
+    /// Whether z grows along the ray.
+    #[inline(always)]
+    pub(super) fn rises(&self) -> bool {
+        self.dz >= 0.0
+    }
+
+    /// Ends the line at a parameter.
+    #[inline(always)]
+    pub(super) fn end_at(&mut self, t: f64) {
+        let z = self.oz + self.dz * t;
+        let z32 = (z * self.unit) as f32;
+        if self.dz >= 0.0 {
+            self.z[1] = self.z[1].min(z32 + PADDING);
+            self.end = z + self.pad;
+        } else {
+            self.z[0] = self.z[0].max(z32 - PADDING);
+            self.end = z - self.pad;
+        }
+    }
+
+    /// Whether all of a leaf lies beyond the end of the line, since it was last shortened.
+    #[inline(always)]
+    pub(super) fn ends_before(&self, [z0, z1]: [f64; 2]) -> bool {
+        if self.dz >= 0.0 {
+            z0 > self.end && z1 > self.end
+        } else {
+            z0 < self.end && z1 < self.end
+        }
+    }
+}
+
+impl Block {
+    pub(super) const EMPTY: Self = Self {
+        // No line reaches so high.
+        z: [[f32::MAX; LANES]; 2],
+        w: [[0.0; LANES]; 2],
+        below: [0.0; LANES],
+        above: [0.0; LANES],
+        slopes: [[0.0; LANES]; 2],
+    };
+
+    pub(super) fn set(&mut self, lane: usize, piece: &Piece, slopes: [f32; 2], unit: f64) {
+        let [a, b] = [piece.start(), piece.end()].map(|p| [p.z * unit, (p.r * unit).powi(2)]);
+        let [low, high] = if a[0] <= b[0] { [a, b] } else { [b, a] };
+        let [below, above] = deviation(piece, unit);
+        for (i, [z, w]) in [low, high].into_iter().enumerate() {
+            self.z[i][lane] = z as f32;
+            self.w[i][lane] = w as f32;
+        }
+        self.below[lane] = below as f32;
+        self.above[lane] = above as f32;
+        for (lanes, slope) in self.slopes.iter_mut().zip(slopes) {
+            lanes[lane] = slope;
+        }
+    }
+
+    /// Which of the leaves the line hits, and where.
+    #[inline(always)]
+    pub(super) fn test<S: Simd>(&self, simd: S, line: &Line) -> Hits {
+        let [z0, z1] = [load(simd, &self.z[0]), load(simd, &self.z[1])];
+        let [w0, w1] = [load(simd, &self.w[0]), load(simd, &self.w[1])];
+        let slope = splat(simd, line.slope);
+        let (x, kappa, eta) =
+            (splat(simd, line.x), splat(simd, line.kappa), splat(simd, -line.eta));
+        let (x0, x1) = (slope.mul_add(z0, x), slope.mul_add(z1, x));
+        let (q0, q1) = (eta.mul_add(w0, kappa), eta.mul_add(w1, kappa));
+        let (f0, f1) = (x0.mul_add(x0, q0), x1.mul_add(x1, q1));
+        let dx = x1 - x0;
+        let dip = (dx * splat(simd, 0.25)) * dx;
+        let (least, most) = (f0.min(f1), f0.max(f1));
+        let lowest = eta.mul_add(load(simd, &self.above), least - dip);
+        let highest = most - eta * load(simd, &self.below);
+        let padding = splat(simd, PADDING);
+        let may = lowest.simd_le(padding)
+            & highest.simd_ge(-padding)
+            & z0.simd_le(splat(simd, line.z[1]))
+            & z1.simd_ge(splat(simd, line.z[0]))
+            & w0.min(w1).simd_le(splat(simd, line.w[1]))
+            & w0.max(w1).simd_ge(splat(simd, line.w[0]));
+        let may = may.to_bitmask() as u32;
+        if may == 0 {
+            return Hits { sure: 0, inside: 0, unsure: 0, guess: [0.0; LANES], above: 0 };
+        }
+        let zero = splat(simd, 0.0);
+        let (reach0, reach1) = ((-q0).max(zero).sqrt(), (-q1).max(zero).sqrt());
+        let room = splat(simd, ROOT_PADDING);
+        let near = (reach0.min(reach1) - room).max(zero);
+        let far = reach0.max(reach1) + room;
+        // slope X at roots, on the half of the leaf.
+        let (a, b) = (slope * near, slope * far);
+        let (low, high) = (a.min(b), a.max(b));
+        let above = x0.simd_ge(zero);
+        let one_half = above.simd_eq(x1.simd_ge(zero));
+        let (low, high) = (above.select(low, -high), above.select(high, -low));
+        let rising = low.simd_gt(load(simd, &self.slopes[1]) * -eta);
+        let falling = high.simd_lt(load(simd, &self.slopes[0]) * -eta);
+        let clear = f0.abs().min(f1.abs()).simd_gt(padding);
+        let certain = (one_half & clear & (rising | falling)).to_bitmask() as u32 & may;
+        let roots = (least.simd_lt(zero) & most.simd_ge(zero)).to_bitmask() as u32;
+        let (g0, g1) = (x0.abs() - reach0, x1.abs() - reach1);
+        let guess = g0 / (g0 - g1);
+        let within = z0.simd_ge(splat(simd, line.z[0] + 2.0 * PADDING))
+            & z1.simd_le(splat(simd, line.z[1] - 2.0 * PADDING));
+        let sure = certain & roots;
+        Hits {
+            sure,
+            inside: sure & within.to_bitmask() as u32,
+            unsure: may & !certain,
+            guess: guess.into(),
+            above: above.to_bitmask() as u32,
+        }
+    }
+}
+
+impl Boxes {
+    pub(super) const EMPTY: Self = Self { z: [[f32::MAX; LANES]; 2], w: [[0.0; LANES]; 2] };
+
+    /// The box round the ends of all pieces, which are monotone.
+    pub(super) fn set<'a>(
+        &mut self,
+        lane: usize,
+        pieces: impl Iterator<Item = &'a Piece>,
+        unit: f64,
+    ) {
+        let (mut z, mut w) =
+            ([f64::INFINITY, f64::NEG_INFINITY], [f64::INFINITY, f64::NEG_INFINITY]);
+        for p in pieces.flat_map(|p| [p.start(), p.end()]) {
+            let own = [p.z * unit, (p.r * unit).powi(2)];
+            z = [z[0].min(own[0]), z[1].max(own[0])];
+            w = [w[0].min(own[1]), w[1].max(own[1])];
+        }
+        for i in 0..2 {
+            self.z[i][lane] = z[i] as f32;
+            self.w[i][lane] = w[i] as f32;
+        }
+    }
+
+    /// Which of the boxes the line may meet, as a set of bits.
+    #[inline(always)]
+    pub(super) fn test<S: Simd>(&self, simd: S, line: &Line) -> u32 {
+        let [z0, z1] = [load(simd, &self.z[0]), load(simd, &self.z[1])];
+        let [w0, w1] = [load(simd, &self.w[0]), load(simd, &self.w[1])];
+        let (slope, x, kappa, eta) =
+            (splat(simd, line.slope), splat(simd, line.x), splat(simd, line.kappa), splat(simd, -line.eta));
+        let (x0, x1) = (slope.mul_add(z0, x), slope.mul_add(z1, x));
+        let (low, high) = (x0.min(x1), x0.max(x1));
+        // The X nearest to 0 and the one farthest from it.
+        let near = low.max(splat(simd, 0.0)) + high.min(splat(simd, 0.0));
+        let far = high.max(splat(simd, 0.0) - low);
+        let lowest = eta.mul_add(w1, near.mul_add(near, kappa));
+        let highest = eta.mul_add(w0, far.mul_add(far, kappa));
+        let mask = lowest.simd_le(splat(simd, PADDING))
+            & highest.simd_ge(splat(simd, -PADDING))
+            & z0.simd_le(splat(simd, line.z[1]))
+            & z1.simd_ge(splat(simd, line.z[0]))
+            & w0.simd_le(splat(simd, line.w[1]))
+            & w1.simd_ge(splat(simd, line.w[0]));
+        mask.to_bitmask() as u32
+    }
+}
+
+#[inline(always)]
+fn load<S: Simd>(simd: S, lanes: &[f32; LANES]) -> f32x16<S> {
+    f32x16::from_slice(simd, lanes)
+}
+
+#[inline(always)]
+fn splat<S: Simd>(simd: S, value: f32) -> f32x16<S> {
+    f32x16::splat(simd, value)
+}
+
+/// How often a piece is halved to enclose it: its control points are then 64 times nearer to it.
+const HALVINGS: usize = 3;
+
+/// How far w of a piece lies under and over the chord of its ends in (z, w), at most.
+///
+/// On each part of the piece rho^2 - w(chord) is a polynomial, or a quotient of two, in Bernstein form;
+/// its coefficients enclose it.
+fn deviation(piece: &Piece, unit: f64) -> [f64; 2] {
+    let [(z0, w0), (z1, w1)] =
+        [piece.start(), piece.end()].map(|p| (p.z * unit, (p.r * unit).powi(2)));
+    // As w is monotone, so much at the most.
+    let most = (w1 - w0).abs();
+    let p = (w1 - w0) / (z1 - z0);
+    // A chord so flat that rounding tilts it by more than f32 would.
+    if !(p.abs() < 1e6) {
+        return [most; 2];
+    }
+    let mut parts = vec![*piece];
+    for _ in 0..HALVINGS {
+        parts = parts.iter().flat_map(Piece::halves).collect();
+    }
+    let (mut low, mut high) = (0.0_f64, 0.0_f64);
+    for part in parts {
+        let (r, z) = (part.r.map(|r| r * unit), part.z.map(|z| z * unit - z0));
+        let mut add = |value: f64| (low, high) = (low.min(value), high.max(value));
+        // The coefficient of the product of the control values i and j.
+        let d = |i: usize, j: usize| r[i] * r[j] - (w0 + p * (0.5 * (z[i] + z[j])));
+        match part.kind {
+            Kind::Line => [d(0, 0), d(0, 3), d(3, 3)].into_iter().for_each(&mut add),
+            Kind::Quadratic => {
+                let middle = (d(0, 3) + 2.0 * d(1, 1)) / 3.0;
+                [d(0, 0), d(0, 1), middle, d(1, 3), d(3, 3)].into_iter().for_each(&mut add);
+            }
+            Kind::Conic(w) => {
+                let middle = (d(0, 3) + 2.0 * w * w * d(1, 1)) / (1.0 + 2.0 * w * w);
+                [d(0, 0), d(0, 1), middle, d(1, 3), d(3, 3)].into_iter().for_each(&mut add);
+            }
+            Kind::Cubic => {
+                let c2 = (2.0 * d(0, 2) + 3.0 * d(1, 1)) / 5.0;
+                let c3 = (d(0, 3) + 9.0 * d(1, 2)) / 10.0;
+                let c4 = (2.0 * d(1, 3) + 3.0 * d(2, 2)) / 5.0;
+                [d(0, 0), d(0, 1), c2, c3, c4, d(2, 3), d(3, 3)].into_iter().for_each(&mut add);
+            }
+        }
+    }
+    [(-low).min(most), high.min(most)]
+}
