@@ -77,6 +77,18 @@ impl Frame {
         self.inverse.as_ref()
     }
 
+    /// The ray's origin, relative to the surface's centre, and direction as the surface sees them: for
+    /// rays from nearby. Neither moved nor scaled, so that the ray's parameter is the same.
+    #[inline(always)]
+    pub(crate) fn turn(&self, ray: &Ray) -> [Vec3; 2] {
+        let origin = ray.origin - self.center;
+        match &self.inverse {
+            None => [origin, ray.direction],
+            Some(rows) => [origin, ray.direction]
+                .map(|v| Vec3::new(rows[0].dot(v), rows[1].dot(v), rows[2].dot(v))),
+        }
+    }
+
     /// The ray in the surface's frame; `None` if it passes the surface at a distance, runs away from
     /// it, or is no ray.
     #[inline(always)]

@@ -117,7 +117,12 @@ impl Line {
             pad: gamma(64) * 4.0 / unit,
         };
         let z = range.map(|t| ((line.oz + line.dz * t) * unit) as f32);
-        line.z = [z[0].min(z[1]) - PADDING, z[0].max(z[1]) + PADDING];
+        // Not a number for a line without end that is perpendicular to the axis.
+        if z[0] <= z[1] {
+            line.z = [z[0] - PADDING, z[1] + PADDING];
+        } else if z[0] > z[1] {
+            line.z = [z[1] - PADDING, z[0] + PADDING];
+        }
         line
     }
 

@@ -21,7 +21,7 @@ mod leaf;
 use arrayvec::ArrayVec;
 use fearless_simd::{Level, Simd, dispatch};
 
-use self::arithmetic::Best;
+use self::arithmetic::{Best, greater};
 use self::cull::{Block, Boxes, LANES, Line};
 use self::leaf::{Found, Leaf};
 use super::counters::Count;
@@ -42,6 +42,21 @@ const MOST_LEVELS: usize = 8;
 /// order that is left to the exact engine to decide: t is good to about a tenth of it.
 const NEAR: f64 = gamma(8192);
 
+/// From so many times the radius rounding errors are still of the size of those near the surface.
+const NEARBY: f64 = 16.0;
+/// Squared lengths of directions, and of their parts across the axis, for which no square of what is
+/// computed from them overflows or vanishes, and the parts differ by less than 2^30.
+const LARGEST: f64 = (1_u64 << 60) as f64;
+const SMALLEST: f64 = 1.0 / (1_u64 << 20) as f64;
+
+/// How to go about a ray.
+enum Approach {
+    Misses,
+    Plain(Meridian),
+    /// From far away, along the axis, or not a ray.
+    Difficult,
+}
+
 /// The pieces of a profile, ready to be tested sixteen at a time.
 #[derive(Clone, Debug)]
 pub(crate) struct Wide {
@@ -51,6 +66,8 @@ pub(crate) struct Wide {
     radius: f64,
     /// A ray that passes the axis at a larger squared distance hits nothing.
     reach2: f64,
+    /// Rays from no farther away need not be moved.
+    nearby: f64,
     /// In order of height, by and large.
     blocks: Vec<Block>,
     /// One for each piece, in the order of the blocks' lanes.
@@ -101,7 +118,7 @@ impl Wide {
         }
         let r_max = pieces.iter().fold(0.0_f64, |m, p| m.max(p.r[0]).max(p.r[3]));
         let reach = r_max + gamma(64) * radius;
-        Self { level, unit, radius, reach2: reach * reach, blocks, leaves, boxes }
+        Self { level, unit, radius, reach2: reach * reach, nearby: NEARBY * radius, blocks, leaves, boxes }
     }
 
     /// The number of vectors of boxes and pieces.
@@ -135,7 +152,7 @@ impl Wide {
         hits: &mut Vec<Hit>,
     ) {
         hits.clear();
-        dispatch!(self.level, simd => self.all_with(simd, pieces, frame, ray, hits));
+        dispatch!(self.level, simd => self.all_carefully(simd, pieces, frame, ray, hits));
     }
 
     /// Calls `visit` for every piece that the ray may hit, as [`Engine::walk`](super::Engine::walk).
@@ -156,6 +173,88 @@ impl Wide {
 
     #[inline(always)]
     fn closest_with<S: Simd>(
+        &self,
+        simd: S,
+        pieces: &[Piece],
+        frame: &Frame,
+        ray: &Ray,
+    ) -> Option<Hit> {
+        let meridian = match self.approach(frame, ray) {
+            Approach::Misses => return None,
+            Approach::Plain(meridian) => meridian,
+            Approach::Difficult => return self.closest_carefully(simd, pieces, frame, ray),
+        };
+        let range = [ray.t_min, ray.t_max];
+        // The direction is longer than 2^-10.
+        let near = NEAR * 1024.0 * self.radius;
+        let mut closest: Option<Hit> = None;
+        let mut doubt = false;
+        let line = Line::new(&meridian, range, self.unit);
+        self.walk(simd, line, false, &mut (), #[inline(always)] |line, leaf, known| {
+            let Some((guess, above)) = known else {
+                doubt = true;
+                return false;
+            };
+            let Found::One((s, t)) = leaf.hit(Best(simd), &meridian, guess, above) else {
+                doubt = true;
+                return false;
+            };
+            if t - range[0] < near || range[1] - t < near {
+                doubt |= t - range[0] > -near && range[1] - t > -near;
+                return !doubt;
+            }
+            if let Some(best) = closest {
+                doubt |= (t - best.t).abs() < near;
+                if t > best.t {
+                    return !doubt;
+                }
+            }
+            closest = Some(Hit { t, piece: leaf.piece(), s });
+            line.end_at(t);
+            !doubt
+        });
+        if doubt {
+            return self.closest_carefully(simd, pieces, frame, ray);
+        }
+        closest
+    }
+
+    #[inline(always)]
+    fn any_with<S: Simd>(&self, simd: S, pieces: &[Piece], frame: &Frame, ray: &Ray) -> bool {
+        let meridian = match self.approach(frame, ray) {
+            Approach::Misses => return false,
+            Approach::Plain(meridian) => meridian,
+            Approach::Difficult => return self.any_carefully(simd, pieces, frame, ray),
+        };
+        let line = Line::new(&meridian, [ray.t_min, ray.t_max], self.unit);
+        let mut doubt = false;
+        let found = self.walk(simd, line, true, &mut (), #[inline(always)] |_, _, _| {
+            doubt = true;
+            true
+        });
+        found || doubt && self.any_carefully(simd, pieces, frame, ray)
+    }
+
+    /// The ray in the half plane, if that is simple.
+    #[inline(always)]
+    fn approach(&self, frame: &Frame, ray: &Ray) -> Approach {
+        let [o, d] = frame.turn(ray);
+        let a = d.x * d.x + d.y * d.y;
+        let k = o.x * d.y - o.y * d.x;
+        let far = greater(greater(o.x.abs(), o.y.abs()), o.z.abs());
+        let length2 = a + d.z * d.z;
+        let simple = far <= self.nearby && a >= SMALLEST && length2 <= LARGEST;
+        if !simple {
+            return Approach::Difficult;
+        }
+        if k * k > a * self.reach2 {
+            return Approach::Misses;
+        }
+        Approach::Plain(Meridian::plain(o, d, a, k))
+    }
+
+    #[inline(never)]
+    fn closest_carefully<S: Simd>(
         &self,
         simd: S,
         pieces: &[Piece],
@@ -188,8 +287,8 @@ impl Wide {
         if doubt { self.closest_exactly(simd, &query) } else { closest }
     }
 
-    #[inline(always)]
-    fn any_with<S: Simd>(
+    #[inline(never)]
+    fn any_carefully<S: Simd>(
         &self,
         simd: S,
         pieces: &[Piece],
@@ -212,7 +311,7 @@ impl Wide {
     }
 
     #[inline(always)]
-    fn all_with<S: Simd>(
+    fn all_carefully<S: Simd>(
         &self,
         simd: S,
         pieces: &[Piece],
