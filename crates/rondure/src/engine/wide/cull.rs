@@ -74,6 +74,7 @@ pub(super) struct Boxes {
 /// A ray for these tests.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Line {
+    steep: bool,
     slope: f32,
     /// X at z = 0.
     x: f32,
@@ -101,6 +102,7 @@ impl Line {
         let farthest = squares[0].max(squares[1]);
         let square = unit * unit;
         let mut line = Self {
+            steep: ray.steep,
             slope: ray.slope() as f32,
             x: (ray.x(0.0) * unit) as f32,
             kappa: (ray.kappa() * square) as f32,
@@ -214,18 +216,34 @@ impl Block {
         let room = splat(simd, ROOT_PADDING);
         let near = (reach0.min(reach1) - room).max(zero);
         let far = reach0.max(reach1) + room;
-        // slope X at roots, on the half of the leaf.
+        // A root lies on the half of the ray where the end with F >= 0 does. slope X at roots there;
+        // on the other half it is the opposite.
         let (a, b) = (slope * near, slope * far);
         let (low, high) = (a.min(b), a.max(b));
-        let above = x0.simd_ge(zero);
-        let one_half = above.simd_eq(x1.simd_ge(zero));
+        let (outer0, outer1) = (f0.simd_ge(zero), f1.simd_ge(zero));
+        let above0 = x0.simd_ge(zero);
+        let one_half = above0.simd_eq(x1.simd_ge(zero));
+        let above = above0.simd_eq(one_half | outer0);
         let (low, high) = (above.select(low, -high), above.select(high, -low));
-        let rising = low.simd_gt(load(simd, &self.slopes[1]) * -eta);
-        let falling = high.simd_lt(load(simd, &self.slopes[0]) * -eta);
+        let steepest = load(simd, &self.slopes[1]) * -eta;
+        let flattest = load(simd, &self.slopes[0]) * -eta;
+        let (rising, falling) = (low.simd_gt(steepest), high.simd_lt(flattest));
+        let (rising_too, falling_too) = ((-high).simd_gt(steepest), (-low).simd_lt(flattest));
+        let across = if line.steep {
+            rising & rising_too | falling & falling_too
+        } else {
+            (rising | falling) & (rising_too | falling_too) & near.simd_gt(zero) & !(outer0 & outer1)
+        };
         let clear = f0.abs().min(f1.abs()).simd_gt(padding);
-        let certain = (one_half & clear & (rising | falling)).to_bitmask() as u32 & may;
-        let roots = (least.simd_lt(zero) & most.simd_ge(zero)).to_bitmask() as u32;
-        let (g0, g1) = (x0.abs() - reach0, x1.abs() - reach1);
+        let certain = clear & (one_half & (rising | falling) | across);
+        let certain = certain.to_bitmask() as u32 & may;
+        let roots = (!outer0.simd_eq(outer1)).to_bitmask() as u32;
+        let sign = above.select(splat(simd, 1.0), splat(simd, -1.0));
+        let (g0, g1) = if line.steep {
+            (f0, f1)
+        } else {
+            (sign.mul_sub(x0, reach0), sign.mul_sub(x1, reach1))
+        };
         let guess = g0 / (g0 - g1);
         let within = z0.simd_ge(splat(simd, line.z[0] + 2.0 * PADDING))
             & z1.simd_le(splat(simd, line.z[1] - 2.0 * PADDING));

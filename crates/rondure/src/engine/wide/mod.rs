@@ -191,32 +191,65 @@ impl Wide {
         let mut doubt = false;
         let line = Line::new(&meridian, range, self.unit);
         self.walk(simd, line, false, &mut (), #[inline(always)] |line, leaf, known| {
-            let Some((guess, above)) = known else {
-                doubt = true;
-                return false;
-            };
-            let Found::One((s, t)) = leaf.hit(Best(simd), &meridian, guess, above) else {
-                doubt = true;
-                return false;
-            };
-            if t - range[0] < near || range[1] - t < near {
-                doubt |= t - range[0] > -near && range[1] - t > -near;
-                return !doubt;
-            }
-            if let Some(best) = closest {
-                doubt |= (t - best.t).abs() < near;
-                if t > best.t {
-                    return !doubt;
+            let mut consider = |s: f64, t: f64, line: &mut Line| {
+                if let Some(best) = closest {
+                    doubt |= (t - best.t).abs() < near && best.piece != leaf.piece();
+                    if t > best.t {
+                        return;
+                    }
                 }
+                closest = Some(Hit { t, piece: leaf.piece(), s });
+                line.end_at(t);
+            };
+            let found = match known {
+                Some((guess, above)) => leaf.hit(Best(simd), &meridian, guess, above),
+                None => Found::Unknown,
+            };
+            match found {
+                Found::One((s, t)) if t - range[0] > near && range[1] - t > near => {
+                    consider(s, t, line);
+                }
+                Found::One((_, t)) if t - range[0] < -near || range[1] - t < -near => {}
+                _ => match self.difficult_leaf(simd, pieces, frame, ray, leaf) {
+                    Some(hits) => hits.into_iter().for_each(|(s, t)| consider(s, t, line)),
+                    None => doubt = true,
+                },
             }
-            closest = Some(Hit { t, piece: leaf.piece(), s });
-            line.end_at(t);
             !doubt
         });
         if doubt {
             return self.closest_carefully(simd, pieces, frame, ray);
         }
         closest
+    }
+
+    /// The hits on a leaf, or on all of its piece, in the ray's range; `None` if that is not certain.
+    #[cold]
+    #[inline(never)]
+    fn difficult_leaf<S: Simd>(
+        &self,
+        simd: S,
+        pieces: &[Piece],
+        frame: &Frame,
+        ray: &Ray,
+        leaf: &Leaf,
+    ) -> Option<ArrayVec<(f64, f64), MOST_HITS>> {
+        simd.vectorize(#[inline(always)] || {
+            let mut found = ArrayVec::new();
+            let mut doubt = false;
+            let query = Query::new(self, pieces, frame, ray)?;
+            query.hits(simd, leaf, None, |s, local_t| {
+                let t = query.local.world_t(local_t);
+                match query.within(local_t, t) {
+                    Within::Yes => {
+                        let _ = found.try_push((s, t));
+                    }
+                    Within::No => {}
+                    Within::Unsure => doubt = true,
+                }
+            });
+            (!doubt).then_some(found)
+        })
     }
 
     #[inline(always)]
@@ -227,12 +260,25 @@ impl Wide {
             Approach::Difficult => return self.any_carefully(simd, pieces, frame, ray),
         };
         let line = Line::new(&meridian, [ray.t_min, ray.t_max], self.unit);
-        let mut doubt = false;
-        let found = self.walk(simd, line, true, &mut (), #[inline(always)] |_, _, _| {
-            doubt = true;
-            true
+        let range = [ray.t_min, ray.t_max];
+        let near = NEAR * 1024.0 * self.radius;
+        let (mut found, mut doubt) = (false, false);
+        let inside = self.walk(simd, line, true, &mut (), #[inline(always)] |_, leaf, known| {
+            let hit = match known {
+                Some((guess, above)) => leaf.hit(Best(simd), &meridian, guess, above),
+                None => Found::Unknown,
+            };
+            match hit {
+                Found::One((_, t)) if t - range[0] > near && range[1] - t > near => found = true,
+                Found::One((_, t)) if t - range[0] < -near || range[1] - t < -near => {}
+                _ => match self.difficult_leaf(simd, pieces, frame, ray, leaf) {
+                    Some(hits) => found = !hits.is_empty(),
+                    None => doubt = true,
+                },
+            }
+            !found
         });
-        found || doubt && self.any_carefully(simd, pieces, frame, ray)
+        inside || found || doubt && self.any_carefully(simd, pieces, frame, ray)
     }
 
     /// The ray in the half plane, if that is simple.
@@ -577,7 +623,7 @@ struct Part {
 /// Into how many parts a piece is halved at the most, as a power of two.
 const MOST_HALVINGS: u32 = 4;
 /// A part whose tangents, in the plane (z, rho^2 / 2), turn by less than this is not halved.
-const STRAIGHT: f64 = 0.15;
+const STRAIGHT: f64 = 0.08;
 
 /// Halves curved pieces until their tangents hardly turn: the share of rays that such a part leaves
 /// without a certificate is about that of the angle.
