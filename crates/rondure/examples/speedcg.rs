@@ -9,7 +9,10 @@ fn main() {
     let n = rays.len();
     let mut s = 0.0;
     let rounds = if std::env::args().nth(3).is_some() {100} else {1};
-    let rays: Vec<Ray> = if std::env::args().nth(4).is_some() { rays.into_iter().filter(|r| surface.closest(r).is_some()).collect()} else {rays};
+    let b = surface.bounds();
+    let rm = b.max.x;
+    let class = |r: &Ray| { if surface.closest(r).is_some() { return "hit"; } let k = r.origin.x*r.direction.y - r.origin.y*r.direction.x; if k*k > (r.direction.x.powi(2)+r.direction.y.powi(2))*rm*rm { "out" } else { "near" } };
+    let rays: Vec<Ray> = if let Some(c) = std::env::args().nth(4) { rays.into_iter().filter(|r| class(r) == c).collect()} else {rays};
     let start = cpu_time::ThreadTime::now();
     for _ in 0..rounds { s = run(&surface, &rays); }
     println!("{n} {s} {} ns", start.elapsed().as_secs_f64()*1e9/(rounds*rays.len()) as f64);

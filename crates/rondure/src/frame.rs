@@ -77,16 +77,27 @@ impl Frame {
         self.inverse.as_ref()
     }
 
-    /// The ray's origin, relative to the surface's centre, and direction as the surface sees them: for
-    /// rays from nearby. Neither moved nor scaled, so that the ray's parameter is the same.
+    /// The ray's origin, relative to the surface's centre, and direction as the surface sees them,
+    /// neither moved nor scaled: the ray's parameter stays as it is.
     #[inline(always)]
     pub(crate) fn turn(&self, ray: &Ray) -> [Vec3; 2] {
-        let origin = ray.origin - self.center;
+        [ray.origin - self.center, ray.direction].map(|v| self.turned(v))
+    }
+
+    /// A direction as the surface sees it.
+    #[inline(always)]
+    pub(crate) fn turned(&self, v: Vec3) -> Vec3 {
         match &self.inverse {
-            None => [origin, ray.direction],
-            Some(rows) => [origin, ray.direction]
-                .map(|v| Vec3::new(rows[0].dot(v), rows[1].dot(v), rows[2].dot(v))),
+            None => v,
+            Some(rows) => Vec3::new(rows[0].dot(v), rows[1].dot(v), rows[2].dot(v)),
         }
+    }
+
+    /// A point relative to the surface's centre, in the directions of the world: each coordinate as a sum.
+    #[inline(always)]
+    pub(crate) fn from_center(&self, point: Vec3) -> [(f64, f64); 3] {
+        let (p, c) = (point, self.center);
+        [two_diff(p.x, c.x), two_diff(p.y, c.y), two_diff(p.z, c.z)]
     }
 
     /// The ray in the surface's frame; `None` if it passes the surface at a distance, runs away from

@@ -99,37 +99,6 @@ impl Meridian {
         }
     }
 
-    /// The same without choosing between ways: for rays that run neither along the axis nor with a
-    /// direction so large or small that squares overflow or vanish. `origin` need not be near.
-    #[inline(always)]
-    pub(crate) fn plain(o: Vec3, d: Vec3, a: f64, k: f64) -> Self {
-        let speed = a.sqrt();
-        let inverse_speed = 1.0 / speed;
-        let delta = k * inverse_speed;
-        let delta2 = delta * delta;
-        let offset = (o.x * d.x + o.y * d.y) * inverse_speed;
-        let inverse_dz = 1.0 / d.z;
-        let steep = d.z * d.z >= a;
-        let h = d.z * inverse_speed;
-        let square = h * h;
-        Self {
-            speed,
-            inverse_speed,
-            offset,
-            delta2,
-            oz: o.z,
-            dz: d.z,
-            inverse_dz,
-            steep,
-            z0: if steep { o.z } else { o.z - h * offset },
-            x0: if steep { offset } else { 0.0 },
-            slope: if steep { speed * inverse_dz } else { 1.0 },
-            kappa: if steep { delta2 } else { square * delta2 },
-            h: if steep { 1.0 } else { h.abs() },
-            eta: if steep { 1.0 } else { square },
-        }
-    }
-
     /// X at a height. It grows, or falls, linearly with the height.
     #[inline(always)]
     pub(crate) fn x(&self, z: f64) -> f64 {

@@ -19,17 +19,18 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
 
+use super::course::Course;
 use crate::meridian::Meridian;
-use crate::numeric::gamma;
 use crate::piece::{Kind, Piece};
 
 /// How many pieces or boxes are tested at once.
 pub(super) const LANES: usize = 16;
 
-/// How far rounding can move F, z and w here, twice over. The radius is below 2, so z and slope z and
-/// sqrt(w) are, and X where F is near 0; X at z = 0 is below 4. With u = 2^-24 that makes an error of 10 u
-/// in X, of 44 u in X^2, and of 20 u in kappa and eta w.
-pub(super) const PADDING: f32 = 128.0 * (0.5 * f32::EPSILON);
+/// How far rounding can move F, z and w here, twice over, for eta <= 1. The radius is below 2, so z and
+/// sqrt(w) are, and X where F is near 0; X at z = 0 is below 4. With u = 2^-24 that makes an error of
+/// 10 u in X, of 44 u in X^2, and of 20 u in kappa and eta w. Beyond eta = 1 X^2 and so all errors of F grow
+/// with eta at most.
+const PADDING: f32 = 128.0 * (0.5 * f32::EPSILON);
 
 /// How far it can move sqrt(eta w - kappa): no more than the square root of that, rounded up.
 const ROOT_PADDING: f32 = 1.0 / 256.0;
@@ -74,58 +75,82 @@ pub(super) struct Boxes {
 /// A ray for these tests.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Line {
-    steep: bool,
     slope: f32,
     /// X at z = 0.
     x: f32,
     kappa: f32,
     eta: f32,
-    /// Between which heights, and at which w, the part of the line lies that counts.
+    /// The padding of F and of its root.
+    padding: f32,
+    root_padding: f32,
+    /// Between which heights, and from which w on, the part of the line lies that counts.
     z: [f32; 2],
-    w: [f32; 2],
+    w: f32,
     /// z as a function of the ray's parameter, to shorten the line.
     oz: f64,
     dz: f64,
     unit: f64,
     /// The height at which it was shortened, with room for rounding.
     end: f64,
-    pad: f64,
 }
 
 impl Line {
-    /// The part of a ray between the parameters `range`, in units of 1 / `unit`.
+    /// The part of a ray between two parameters, of its own course; `unit` is one over the surface's
+    /// radius, or near it.
     #[inline(always)]
-    pub(super) fn new(ray: &Meridian, range: [f64; 2], unit: f64) -> Self {
-        let x = range.map(|t| ray.offset + ray.speed * t);
-        let squares = x.map(|x| x * x);
-        let nearest = if x[0] < 0.0 && x[1] > 0.0 { 0.0 } else { squares[0].min(squares[1]) };
-        let farthest = squares[0].max(squares[1]);
-        let square = unit * unit;
-        let mut line = Self {
-            steep: ray.steep,
-            slope: ray.slope() as f32,
-            x: (ray.x(0.0) * unit) as f32,
-            kappa: (ray.kappa() * square) as f32,
-            eta: ray.eta as f32,
-            z: [f32::NEG_INFINITY, f32::INFINITY],
-            w: [
-                ((ray.delta2 + nearest) * square) as f32 - PADDING,
-                ((ray.delta2 + farthest) * square) as f32 + PADDING,
-            ],
-            oz: ray.oz,
-            dz: ray.dz,
-            unit,
-            end: if ray.dz >= 0.0 { f64::INFINITY } else { f64::NEG_INFINITY },
-            pad: gamma(64) * 4.0 / unit,
-        };
-        let z = range.map(|t| ((line.oz + line.dz * t) * unit) as f32);
+    pub(super) fn along(course: &Course, range: [f64; 2], unit: f64) -> Self {
+        // Half the derivative of w.
+        let outward = course.a * range[0] + course.b;
+        // Away from the axis, w grows from where the line begins.
+        let w = if outward >= 0.0 { course.w(outward) * (unit * unit) } else { 0.0 };
+        Self::new(1.0, course.x, course.kappa, course.eta, [course.oz, course.dz], range, w, unit)
+    }
+
+    /// The same for a ray in the form of the exact engine.
+    #[inline(always)]
+    pub(super) fn of(ray: &Meridian, range: [f64; 2], unit: f64) -> Self {
+        let (slope, x) = (ray.slope(), ray.x(0.0));
+        Self::new(slope, x, ray.kappa(), ray.eta, [ray.oz, ray.dz], range, 0.0, unit)
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "the coefficients of the two ways to see a ray")]
+    #[inline(always)]
+    fn new(
+        slope: f64,
+        x: f64,
+        kappa: f64,
+        eta: f64,
+        [oz, dz]: [f64; 2],
+        range: [f64; 2],
+        w: f64,
+        unit: f64,
+    ) -> Self {
+        let eta = eta as f32;
+        let growth = if eta > 1.0 { eta } else { 1.0 };
+        let z = range.map(|t| ((oz + dz * t) * unit) as f32);
         // Not a number for a line without end that is perpendicular to the axis.
-        if z[0] <= z[1] {
-            line.z = [z[0] - PADDING, z[1] + PADDING];
+        let z = if z[0] <= z[1] {
+            [z[0] - PADDING, z[1] + PADDING]
         } else if z[0] > z[1] {
-            line.z = [z[1] - PADDING, z[0] + PADDING];
+            [z[1] - PADDING, z[0] + PADDING]
+        } else {
+            [f32::NEG_INFINITY, f32::INFINITY]
+        };
+        Self {
+            slope: slope as f32,
+            x: (x * unit) as f32,
+            kappa: (kappa * (unit * unit)) as f32,
+            eta,
+            padding: PADDING * growth,
+            // No less than the square root of the growth.
+            root_padding: ROOT_PADDING * (0.5 + 0.5 * growth),
+            z,
+            w: w as f32 - PADDING,
+            oz,
+            dz,
+            unit,
+            end: if dz >= 0.0 { f64::INFINITY } else { f64::NEG_INFINITY },
         }
-        line
     }
 
     /// Whether z grows along the ray.
@@ -138,13 +163,14 @@ impl Line {
     #[inline(always)]
     pub(super) fn end_at(&mut self, t: f64) {
         let z = self.oz + self.dz * t;
-        let z32 = (z * self.unit) as f32;
+        let end = (z * self.unit) as f32;
+        let pad = f64::from(PADDING) / self.unit;
         if self.dz >= 0.0 {
-            self.z[1] = self.z[1].min(z32 + PADDING);
-            self.end = z + self.pad;
+            self.z[1] = end + PADDING;
+            self.end = z + pad;
         } else {
-            self.z[0] = self.z[0].max(z32 - PADDING);
-            self.end = z - self.pad;
+            self.z[0] = end - PADDING;
+            self.end = z - pad;
         }
     }
 
@@ -200,24 +226,23 @@ impl Block {
         let (least, most) = (f0.min(f1), f0.max(f1));
         let lowest = eta.mul_add(load(simd, &self.above), least - dip);
         let highest = most - eta * load(simd, &self.below);
-        let padding = splat(simd, PADDING);
+        let padding = splat(simd, line.padding);
         let may = lowest.simd_le(padding)
             & highest.simd_ge(-padding)
             & z0.simd_le(splat(simd, line.z[1]))
             & z1.simd_ge(splat(simd, line.z[0]))
-            & w0.min(w1).simd_le(splat(simd, line.w[1]))
-            & w0.max(w1).simd_ge(splat(simd, line.w[0]));
+            & w0.max(w1).simd_ge(splat(simd, line.w));
         let may = may.to_bitmask() as u32;
         if may == 0 {
             return Hits { sure: 0, inside: 0, unsure: 0, guess: [0.0; LANES], above: 0 };
         }
         let zero = splat(simd, 0.0);
         let (reach0, reach1) = ((-q0).max(zero).sqrt(), (-q1).max(zero).sqrt());
-        let room = splat(simd, ROOT_PADDING);
+        let room = splat(simd, line.root_padding);
         let near = (reach0.min(reach1) - room).max(zero);
         let far = reach0.max(reach1) + room;
-        // A root lies on the half of the ray where the end with F >= 0 does. slope X at roots there;
-        // on the other half it is the opposite.
+        // A root lies on the half of the ray where the end with F >= 0 does. X at roots there, times
+        // the slope of X; on the other half it is the opposite.
         let (a, b) = (slope * near, slope * far);
         let (low, high) = (a.min(b), a.max(b));
         let (outer0, outer1) = (f0.simd_ge(zero), f1.simd_ge(zero));
@@ -229,21 +254,14 @@ impl Block {
         let flattest = load(simd, &self.slopes[0]) * -eta;
         let (rising, falling) = (low.simd_gt(steepest), high.simd_lt(flattest));
         let (rising_too, falling_too) = ((-high).simd_gt(steepest), (-low).simd_lt(flattest));
-        let across = if line.steep {
-            rising & rising_too | falling & falling_too
-        } else {
-            (rising | falling) & (rising_too | falling_too) & near.simd_gt(zero) & !(outer0 & outer1)
-        };
+        let across =
+            (rising | falling) & (rising_too | falling_too) & near.simd_gt(zero) & !(outer0 & outer1);
         let clear = f0.abs().min(f1.abs()).simd_gt(padding);
         let certain = clear & (one_half & (rising | falling) | across);
         let certain = certain.to_bitmask() as u32 & may;
         let roots = (!outer0.simd_eq(outer1)).to_bitmask() as u32;
         let sign = above.select(splat(simd, 1.0), splat(simd, -1.0));
-        let (g0, g1) = if line.steep {
-            (f0, f1)
-        } else {
-            (sign.mul_sub(x0, reach0), sign.mul_sub(x1, reach1))
-        };
+        let (g0, g1) = (sign.mul_sub(x0, reach0), sign.mul_sub(x1, reach1));
         let guess = g0 / (g0 - g1);
         let within = z0.simd_ge(splat(simd, line.z[0] + 2.0 * PADDING))
             & z1.simd_le(splat(simd, line.z[1] - 2.0 * PADDING));
@@ -295,12 +313,11 @@ impl Boxes {
         let far = high.max(splat(simd, 0.0) - low);
         let lowest = eta.mul_add(w1, near.mul_add(near, kappa));
         let highest = eta.mul_add(w0, far.mul_add(far, kappa));
-        let mask = lowest.simd_le(splat(simd, PADDING))
-            & highest.simd_ge(splat(simd, -PADDING))
+        let mask = lowest.simd_le(splat(simd, line.padding))
+            & highest.simd_ge(splat(simd, -line.padding))
             & z0.simd_le(splat(simd, line.z[1]))
             & z1.simd_ge(splat(simd, line.z[0]))
-            & w0.simd_le(splat(simd, line.w[1]))
-            & w1.simd_ge(splat(simd, line.w[0]));
+            & w1.simd_ge(splat(simd, line.w));
         mask.to_bitmask() as u32
     }
 }

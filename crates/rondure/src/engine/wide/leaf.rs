@@ -1,24 +1,21 @@
-//! The hits of a ray on a part of a piece, fast where they can be certified.
+//! The hit of a ray on a part of a piece that is known to have one.
 //!
-//! F = X^2 + kappa - eta w (see [`meridian`](crate::meridian); w = r^2) has the derivative
+//! F = X^2 + kappa - eta w (see [`course`](super::course); w = r^2) has the derivative
 //!
 //! ```text
-//! F' / 2 = slope X z' - eta r r' = z' (slope X - eta m),    m = r r' / z'.
+//! F' / 2 = X z' - eta r r' = z' (X - eta m),    m = r r' / z'.
 //! ```
 //!
 //! At a root X^2 = eta w - kappa, so that on each half of the ray, X < 0 and X > 0, the roots on a leaf
 //! lie between two values of X that come from the ends of the leaf; m lies in a range that is computed
-//! once. If the two ranges, times slope and eta, have nothing in common, F' has one sign at all roots
-//! on that half, and since F cannot cross zero twice in one direction there is one root or none,
-//! according to the signs of F and X at the ends. Leaves that meet compute the same bits there, and
-//! where pieces meet those are the bits that [`root`](crate::root) sees. The root is found by a few
-//! Newton steps.
-//!
-//! Where there is no certificate, near tangencies above all, the whole piece is left to `root`.
+//! once. If the two ranges, times eta, have nothing in common, F' has one sign at all roots on that
+//! half, and since F cannot cross zero twice in one direction there is one root or none, according to
+//! the signs of F and X at the ends. [`cull`](super::cull) decides that; a step of Halley's and one of
+//! Newton's method then find the root.
 
-use super::cone::slope_range;
 use super::arithmetic::{Fused, greater, lesser};
-use crate::meridian::Meridian;
+use super::cone::slope_range;
+use super::course::Course;
 use crate::numeric::gamma;
 use crate::piece::{Kind, Piece};
 
@@ -31,32 +28,25 @@ pub(super) struct Leaf {
     r: [f64; 4],
     /// z likewise; for a conic the last is p.
     z: [f64; 4],
-    /// r and z at s = 1, exactly; those at s = 0 are the first coefficients.
-    end: [f64; 2],
-    /// The range of m, in units of the radius, with room for rounding.
-    slopes: [f32; 2],
+    /// z at s = 1.
+    end: f64,
     /// The parameter on the piece is `first + share s`.
     first: f64,
     share: f64,
+    /// The range of m, in units of the radius, with room for rounding.
+    slopes: [f32; 2],
     /// The piece, times two, and whether it is a conic.
     piece_and_kind: u32,
 }
 
-/// All hits on a leaf, as (s, t), s on the piece.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Found {
-    None,
-    One((f64, f64)),
-    Two([(f64, f64); 2]),
-    /// There is no certificate.
-    Unknown,
-}
+/// A hit on a leaf: s on the piece, and the ray parameter.
+pub(super) type Place = (f64, f64);
 
 /// A Newton step shorter than this part of the leaf is the last: what remains is the square of the
 /// step times half the ratio of the second to the first derivative.
 const LAST_STEP: f64 = 2e-8;
 /// More are needed only where F' nearly vanishes.
-const MOST_STEPS: u32 = 6;
+const MOST_STEPS: u32 = 5;
 /// How far a root may leave the leaf by rounding.
 const OVERSHOOT: f64 = gamma(4096);
 /// The share by which ranges must differ: more than f32 and rounding can make of it.
@@ -72,10 +62,6 @@ impl Leaf {
         [first, share]: [f64; 2],
         unit: f64,
     ) -> Self {
-        let outward = |m: f64, up: bool| {
-            if up == (m >= 0.0) { m * (1.0 + CERTAIN) } else { m * (1.0 - CERTAIN) }
-        };
-        let [low, high] = slope_range(part, unit);
         let whole = &pieces[piece as usize];
         let [r, z] = match whole.kind {
             Kind::Conic(w) => {
@@ -102,15 +88,18 @@ impl Leaf {
                 }
             }),
         };
-        let is_conic = matches!(whole.kind, Kind::Conic(_));
+        let outward = |m: f64, up: bool| {
+            if up == (m >= 0.0) { m * (1.0 + CERTAIN) } else { m * (1.0 - CERTAIN) }
+        };
+        let [low, high] = slope_range(part, unit);
         Self {
             r,
             z,
-            end: [part.r[3], part.z[3]],
-            slopes: [outward(low, false) as f32, outward(high, true) as f32],
+            end: part.z[3],
             first,
             share,
-            piece_and_kind: piece * 2 + u32::from(is_conic),
+            slopes: [outward(low, false) as f32, outward(high, true) as f32],
+            piece_and_kind: piece * 2 + u32::from(matches!(whole.kind, Kind::Conic(_))),
         }
     }
 
@@ -125,145 +114,104 @@ impl Leaf {
         self.slopes
     }
 
-    /// The only hit on the leaf, near a place given as a share of the leaf from its lower end.
-    #[inline(always)]
-    pub(super) fn hit(&self, fma: impl Fused, ray: &Meridian, guess: f32, above: bool) -> Found {
-        let guess = f64::from(guess);
-        let guess = if self.z[0] <= self.end[1] { guess } else { 1.0 - guess };
-        self.newton(fma, ray, guess, above)
-    }
-
     /// The heights of the two ends.
     #[inline(always)]
     pub(super) fn heights(&self) -> [f64; 2] {
-        [self.z[0], self.end[1]]
+        [self.z[0], self.end]
     }
 
-    /// The hits on the leaf, in no particular order, if they can be certified.
+    /// The hit near a place given as a share of the leaf from its lower end, on the half of the ray
+    /// where X has the sign that is told; `None` if the steps lead elsewhere.
     #[inline(always)]
-    pub(super) fn hits(&self, fma: impl Fused, ray: &Meridian, unit: f64) -> Found {
-        let x = self.heights().map(|z| ray.x(z));
-        let radii = [self.r[0], self.end[0]];
-        let f = [ray.form([x[0]; 2], [radii[0]; 2]), ray.form([x[1]; 2], [radii[1]; 2])];
-        // |X| at roots, by w at the ends.
-        let reach = radii.map(|r| greater(ray.eta * (r * r) - ray.kappa(), 0.0).sqrt());
-        let scale = ray.slope() * unit;
-        let [near, far] = [lesser(reach[0], reach[1]), greater(reach[0], reach[1])];
-        let [near, far] = [scale * near, scale * far];
-        let [low, high] = self.slopes.map(|m| ray.eta * f64::from(m));
-        let (above, below) = ([x[0] >= 0.0, x[1] >= 0.0], [x[0] < 0.0, x[1] < 0.0]);
-        // slope X - eta m: whether it is positive, or negative, on the half of X > 0 and of X < 0.
-        let (least, most) = (lesser(near, far), greater(near, far));
-        let positive = [least > high, -most > high];
-        let negative = [most < low, -least < low];
-        let changes = (f[0] < 0.0) != (f[1] < 0.0);
-        // On which half a root lies, if there is one, and where F or, for a shallow ray, its
-        // factor |X| - reach begins and ends on that half.
-        let across = above[0] != above[1];
-        let (wanted, certain) = if !across {
-            let half = usize::from(below[0]);
-            let mut wanted = [false; 2];
-            wanted[half] = changes;
-            (wanted, positive[half] | negative[half])
-        } else if ray.steep {
-            // One and the same function of s, with X of both signs.
-            let certain = positive[0] & positive[1] | negative[0] & negative[1];
-            ([changes, false], certain)
-        } else {
-            // The ray's closest approach to the axis, X = 0, lies within the heights of the leaf: both
-            // halves may hit it, each between there and one end. There must be no doubt that F < 0
-            // at X = 0.
-            let beyond = f.map(|f| f >= 0.0);
-            let wanted = if above[0] { beyond } else { [beyond[1], beyond[0]] };
-            let certain = (positive[0] | negative[0]) & (positive[1] | negative[1]);
-            (wanted, certain && near * near > CERTAIN * (scale * scale) * ray.magnitude(0.0, far))
-        };
-        if !certain {
-            return Found::Unknown;
-        }
-        let mut found = Found::None;
-        for half in 0..2 {
-            if !wanted[half] {
-                continue;
-            }
-            let sign = if half == 0 { 1.0 } else { -1.0 };
-            let g = if ray.steep { f } else { [sign * x[0] - reach[0], sign * x[1] - reach[1]] };
-            found = match (found, self.newton(fma, ray, g[0] / (g[0] - g[1]), half == 0)) {
-                (Found::One(a), Found::One(b)) => Found::Two([a, b]),
-                (_, one) => one,
-            };
-            if found == Found::Unknown {
-                break;
-            }
-        }
-        found
-    }
-
-    /// The root of F near a guess, on one half of the ray if that is shallow; unknown if the steps
-    /// lead elsewhere.
-    #[inline(always)]
-    fn newton(&self, fma: impl Fused, ray: &Meridian, guess: f64, above: bool) -> Found {
-        let mut s = guess - self.step(fma, ray, guess).0;
-        s -= self.step(fma, ray, s).0;
-        for _ in 2..MOST_STEPS {
-            let (step, x, [r, dr], [z, dz]) = self.step(fma, ray, s);
-            s -= step;
-            if step.abs() <= LAST_STEP {
-                let (r, z) = (fma.fused(-step, dr, r), fma.fused(-step, dz, z));
-                let inside = s >= -OVERSHOOT && s <= 1.0 + OVERSHOOT;
-                if !(inside && (ray.steep || (x >= 0.0) == above)) {
-                    return Found::Unknown;
-                }
-                let s = greater(lesser(s, 1.0), 0.0);
-                let t = ray.t(greater(r, 0.0), z, above);
-                return Found::One((fma.fused(s, self.share, self.first), t));
-            }
-        }
-        Found::Unknown
-    }
-
-    /// F / F', X, and r and z with their derivatives.
-    #[inline(always)]
-    fn step(
+    pub(super) fn hit(
         &self,
         fma: impl Fused,
-        ray: &Meridian,
-        s: f64,
-    ) -> (f64, f64, [f64; 2], [f64; 2]) {
-        let (r, z) = self.jet(fma, s);
-        let x = ray.x(z[0]);
-        let value = ray.form([x; 2], [r[0]; 2]);
-        let half = fma.fused(ray.slope() * x, z[1], -(ray.eta * (r[0] * r[1])));
-        (0.5 * value / half, x, r, z)
-    }
-
-    /// r and z, each with its derivative by s.
-    #[inline(always)]
-    fn jet(&self, fma: impl Fused, s: f64) -> ([f64; 2], [f64; 2]) {
-        if self.piece_and_kind & 1 == 1 {
-            let (q, p) = (self.r[3], self.z[3]);
-            let per = 1.0 / fma.fused(fma.fused(p, s, q), s, 1.0);
-            let slope = fma.fused(2.0 * p, s, q);
-            (quotient(fma, &self.r, s, per, slope), quotient(fma, &self.z, s, per, slope))
-        } else {
-            (polynomial(fma, &self.r, s), polynomial(fma, &self.z, s))
+        course: &Course,
+        guess: f32,
+        above: bool,
+    ) -> Option<Place> {
+        let guess = f64::from(guess);
+        let guess = if self.z[0] <= self.end { guess } else { 1.0 - guess };
+        let start = self.expand(fma, course, guess);
+        // Halley's step.
+        let Expansion { value, half_slope, .. } = start;
+        let curvature = fma.fused(4.0 * half_slope, half_slope, -(value * start.half_bend));
+        let mut s = guess - 2.0 * (value * half_slope) / curvature;
+        for _ in 1..MOST_STEPS {
+            let at = self.expand(fma, course, s);
+            let step = 0.5 * at.value / at.half_slope;
+            s -= step;
+            if step.abs() <= LAST_STEP {
+                let (r, x) = (fma.fused(-step, at.dr, at.r), fma.fused(-step, at.dx, at.x));
+                let (r, x) = if at.per == 1.0 { (r, x) } else { (r * at.per, x * at.per) };
+                if !(s >= -OVERSHOOT && s <= 1.0 + OVERSHOOT && (x >= 0.0) == above) {
+                    return None;
+                }
+                let s = greater(lesser(s, 1.0), 0.0);
+                return Some((fma.fused(s, self.share, self.first), course.t(r, x)));
+            }
         }
+        None
+    }
+
+    #[inline(always)]
+    fn expand(&self, fma: impl Fused, course: &Course, s: f64) -> Expansion {
+        if self.piece_and_kind & 1 == 1 {
+            return self.expand_conic(fma, course, s);
+        }
+        let [r, dr, ddr] = cubic(fma, &self.r, self.r[0], s);
+        let [x, dx, ddx] = cubic(fma, &self.z, self.z[0] + course.x, s);
+        let (value, half_slope, half_bend) = (
+            fma.fused(x, x, fma.fused(-(course.eta * r), r, course.kappa)),
+            fma.fused(x, dx, -(course.eta * r) * dr),
+            fma.fused(x, ddx, dx * dx) - course.eta * fma.fused(r, ddr, dr * dr),
+        );
+        Expansion { value, half_slope, half_bend, r, dr, x, dx, per: 1.0 }
+    }
+
+    /// The same times the square of the denominator.
+    #[inline(always)]
+    fn expand_conic(&self, fma: impl Fused, course: &Course, s: f64) -> Expansion {
+        let (b, a) = (self.r[3], self.z[3]);
+        let q = fma.fused(fma.fused(a, s, b), s, 1.0);
+        let (dq, ddq) = (fma.fused(2.0 * a, s, b), 2.0 * a);
+        let r = fma.fused(fma.fused(self.r[2], s, self.r[1]), s, self.r[0]);
+        let (dr, ddr) = (fma.fused(2.0 * self.r[2], s, self.r[1]), 2.0 * self.r[2]);
+        let z = fma.fused(fma.fused(self.z[2], s, self.z[1]), s, self.z[0]);
+        let (dz, ddz) = (fma.fused(2.0 * self.z[2], s, self.z[1]), 2.0 * self.z[2]);
+        let x = fma.fused(course.x, q, z);
+        let (dx, ddx) = (fma.fused(course.x, dq, dz), fma.fused(course.x, ddq, ddz));
+        let (eta, kappa) = (course.eta, course.kappa);
+        let value = fma.fused(x, x, fma.fused(kappa * q, q, -(eta * r) * r));
+        let half_slope = fma.fused(x, dx, fma.fused(kappa * q, dq, -(eta * r) * dr));
+        let half_bend = fma.fused(x, ddx, dx * dx) + kappa * fma.fused(q, ddq, dq * dq)
+            - eta * fma.fused(r, ddr, dr * dr);
+        // The quotients change with the denominator, too.
+        let per = 1.0 / q;
+        let (dr, dx) = (fma.fused(-(r * per), dq, dr), fma.fused(-(x * per), dq, dx));
+        Expansion { value, half_slope, half_bend, r, dr, x, dx, per }
     }
 }
 
-/// The value and the derivative of a cubic.
-#[inline(always)]
-fn polynomial(fma: impl Fused, c: &[f64; 4], s: f64) -> [f64; 2] {
-    let inner = fma.fused(c[3], s, c[2]);
-    let value = fma.fused(fma.fused(inner, s, c[1]), s, c[0]);
-    let slope = fma.fused(fma.fused(c[3], s, inner + inner), s, c[1]);
-    [value, slope]
+/// F with half its first and half its second derivative, r and X with their derivatives, all at one place;
+/// `per` is what r, X and their derivatives are still to be multiplied by.
+struct Expansion {
+    value: f64,
+    half_slope: f64,
+    half_bend: f64,
+    r: f64,
+    dr: f64,
+    x: f64,
+    dx: f64,
+    per: f64,
 }
 
-/// The value and the derivative of a quadratic times `q`, whose inverse has the derivative `dq`.
+/// A cubic with its first and second derivative; its constant coefficient is given apart.
 #[inline(always)]
-fn quotient(fma: impl Fused, c: &[f64; 4], s: f64, q: f64, dq: f64) -> [f64; 2] {
-    let value = q * fma.fused(fma.fused(c[2], s, c[1]), s, c[0]);
-    let slope = fma.fused(2.0 * c[2], s, c[1]);
-    [value, q * fma.fused(-value, dq, slope)]
+fn cubic(fma: impl Fused, c: &[f64; 4], constant: f64, s: f64) -> [f64; 3] {
+    let last = c[3] * s;
+    let inner = c[2] + last;
+    let value = fma.fused(fma.fused(inner, s, c[1]), s, constant);
+    let slope = fma.fused(inner + inner + last, s, c[1]);
+    [value, slope, 2.0 * (inner + last + last)]
 }

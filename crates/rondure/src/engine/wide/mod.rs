@@ -15,15 +15,17 @@
 
 mod arithmetic;
 mod cone;
+mod course;
 mod cull;
 mod leaf;
 
 use arrayvec::ArrayVec;
 use fearless_simd::{Level, Simd, dispatch};
 
-use self::arithmetic::{Best, greater};
+use self::arithmetic::Best;
+use self::course::{Approach, Course};
 use self::cull::{Block, Boxes, LANES, Line};
-use self::leaf::{Found, Leaf};
+use self::leaf::Leaf;
 use super::counters::Count;
 use crate::Ray;
 use crate::frame::{Frame, LocalRay};
@@ -42,21 +44,6 @@ const MOST_LEVELS: usize = 8;
 /// order that is left to the exact engine to decide: t is good to about a tenth of it.
 const NEAR: f64 = gamma(8192);
 
-/// From so many times the radius rounding errors are still of the size of those near the surface.
-const NEARBY: f64 = 16.0;
-/// Squared lengths of directions, and of their parts across the axis, for which no square of what is
-/// computed from them overflows or vanishes, and the parts differ by less than 2^30.
-const LARGEST: f64 = (1_u64 << 60) as f64;
-const SMALLEST: f64 = 1.0 / (1_u64 << 20) as f64;
-
-/// How to go about a ray.
-enum Approach {
-    Misses,
-    Plain(Meridian),
-    /// From far away, along the axis, or not a ray.
-    Difficult,
-}
-
 /// The pieces of a profile, ready to be tested sixteen at a time.
 #[derive(Clone, Debug)]
 pub(crate) struct Wide {
@@ -66,8 +53,6 @@ pub(crate) struct Wide {
     radius: f64,
     /// A ray that passes the axis at a larger squared distance hits nothing.
     reach2: f64,
-    /// Rays from no farther away need not be moved.
-    nearby: f64,
     /// In order of height, by and large.
     blocks: Vec<Block>,
     /// One for each piece, in the order of the blocks' lanes.
@@ -118,7 +103,7 @@ impl Wide {
         }
         let r_max = pieces.iter().fold(0.0_f64, |m, p| m.max(p.r[0]).max(p.r[3]));
         let reach = r_max + gamma(64) * radius;
-        Self { level, unit, radius, reach2: reach * reach, nearby: NEARBY * radius, blocks, leaves, boxes }
+        Self { level, unit, radius, reach2: reach * reach, blocks, leaves, boxes }
     }
 
     /// The number of vectors of boxes and pieces.
@@ -126,36 +111,21 @@ impl Wide {
         self.blocks.len() + self.boxes.iter().map(Vec::len).sum::<usize>()
     }
 
-    pub(crate) fn closest(
-        &self,
-        pieces: &[Piece],
-        frame: &Frame,
-        ray: &Ray,
-    ) -> Option<Hit> {
+    pub(crate) fn closest(&self, pieces: &[Piece], frame: &Frame, ray: &Ray) -> Option<Hit> {
         dispatch!(self.level, simd => self.closest_with(simd, pieces, frame, ray))
     }
 
-    pub(crate) fn any(
-        &self,
-        pieces: &[Piece],
-        frame: &Frame,
-        ray: &Ray,
-    ) -> bool {
+    pub(crate) fn any(&self, pieces: &[Piece], frame: &Frame, ray: &Ray) -> bool {
         dispatch!(self.level, simd => self.any_with(simd, pieces, frame, ray))
     }
 
-    pub(crate) fn all(
-        &self,
-        pieces: &[Piece],
-        frame: &Frame,
-        ray: &Ray,
-        hits: &mut Vec<Hit>,
-    ) {
+    pub(crate) fn all(&self, pieces: &[Piece], frame: &Frame, ray: &Ray, hits: &mut Vec<Hit>) {
         hits.clear();
-        dispatch!(self.level, simd => self.all_carefully(simd, pieces, frame, ray, hits));
+        dispatch!(self.level, simd => self.all_with(simd, pieces, frame, ray, hits));
     }
 
-    /// Calls `visit` for every piece that the ray may hit, as [`Engine::walk`](super::Engine::walk).
+    /// Calls `visit` for every piece that the ray may hit, as [`Engine::walk`](super::Engine::walk),
+    /// several times for some.
     pub(crate) fn candidates<C: Count>(
         &self,
         ray: &Meridian,
@@ -163,12 +133,21 @@ impl Wide {
         count: &mut C,
         mut visit: impl FnMut(u32) -> f64,
     ) {
-        let line = Line::new(ray, range, self.unit);
-        dispatch!(self.level, simd => self.walk(simd, line, false, count, #[inline(always)] |line, leaf, _| {
-            let end = visit(leaf.piece());
-            line.end_at(end);
-            end > f64::NEG_INFINITY
-        }));
+        let line = Line::of(ray, range, self.unit);
+        dispatch!(self.level, simd => self.walk(
+            simd,
+            line,
+            false,
+            count,
+            #[inline(always)]
+            |line, leaf, _| {
+                let end = visit(leaf.piece());
+                if end < f64::INFINITY {
+                    line.end_at(end);
+                }
+                end > f64::NEG_INFINITY
+            },
+        ));
     }
 
     #[inline(always)]
@@ -179,185 +158,86 @@ impl Wide {
         frame: &Frame,
         ray: &Ray,
     ) -> Option<Hit> {
-        let meridian = match self.approach(frame, ray) {
+        let course = match self.approach(simd, frame, ray) {
             Approach::Misses => return None,
-            Approach::Plain(meridian) => meridian,
-            Approach::Difficult => return self.closest_carefully(simd, pieces, frame, ray),
+            Approach::Meets(course) => course,
+            Approach::Strange => return self.closest_exactly(pieces, frame, ray),
         };
-        let range = [ray.t_min, ray.t_max];
-        // The direction is longer than 2^-10.
-        let near = NEAR * 1024.0 * self.radius;
+        let range = Range::new(self, &course, ray);
         let mut closest: Option<Hit> = None;
         let mut doubt = false;
-        let line = Line::new(&meridian, range, self.unit);
-        self.walk(simd, line, false, &mut (), #[inline(always)] |line, leaf, known| {
-            let mut consider = |s: f64, t: f64, line: &mut Line| {
-                if let Some(best) = closest {
-                    doubt |= (t - best.t).abs() < near && best.piece != leaf.piece();
-                    if t > best.t {
-                        return;
+        let line = Line::along(&course, range.of_course, self.unit);
+        self.walk(
+            simd,
+            line,
+            false,
+            &mut (),
+            #[inline(always)]
+            |line, leaf, known| {
+                match range.find(simd, leaf, known, &course) {
+                    Finding::Outside => {}
+                    Finding::Hit((s, t)) => {
+                        if let Some(best) = closest {
+                            // Rounding must not choose between pieces.
+                            doubt |= (t - best.t).abs() < range.near && best.piece != leaf.piece();
+                        }
+                        if closest.is_none_or(|best| t < best.t) {
+                            closest = Some(Hit { t, piece: leaf.piece(), s });
+                            line.end_at(t - course.shift);
+                        }
+                    }
+                    Finding::Unknown => {
+                        let hits = self.exact_hits(pieces, frame, ray, leaf.piece());
+                        for hit in hits {
+                            if let Some(best) = closest {
+                                doubt |= (hit.t - best.t).abs() < range.near
+                                    && best.piece != hit.piece;
+                            }
+                            if closest.is_none_or(|best| hit.t < best.t) {
+                                closest = Some(hit);
+                                line.end_at(hit.t - course.shift);
+                            }
+                        }
                     }
                 }
-                closest = Some(Hit { t, piece: leaf.piece(), s });
-                line.end_at(t);
-            };
-            let found = match known {
-                Some((guess, above)) => leaf.hit(Best(simd), &meridian, guess, above),
-                None => Found::Unknown,
-            };
-            match found {
-                Found::One((s, t)) if t - range[0] > near && range[1] - t > near => {
-                    consider(s, t, line);
-                }
-                Found::One((_, t)) if t - range[0] < -near || range[1] - t < -near => {}
-                _ => match self.difficult_leaf(simd, pieces, frame, ray, leaf) {
-                    Some(hits) => hits.into_iter().for_each(|(s, t)| consider(s, t, line)),
-                    None => doubt = true,
-                },
-            }
-            !doubt
-        });
-        if doubt {
-            return self.closest_carefully(simd, pieces, frame, ray);
-        }
-        closest
-    }
-
-    /// The hits on a leaf, or on all of its piece, in the ray's range; `None` if that is not certain.
-    #[cold]
-    #[inline(never)]
-    fn difficult_leaf<S: Simd>(
-        &self,
-        simd: S,
-        pieces: &[Piece],
-        frame: &Frame,
-        ray: &Ray,
-        leaf: &Leaf,
-    ) -> Option<ArrayVec<(f64, f64), MOST_HITS>> {
-        simd.vectorize(#[inline(always)] || {
-            let mut found = ArrayVec::new();
-            let mut doubt = false;
-            let query = Query::new(self, pieces, frame, ray)?;
-            query.hits(simd, leaf, None, |s, local_t| {
-                let t = query.local.world_t(local_t);
-                match query.within(local_t, t) {
-                    Within::Yes => {
-                        let _ = found.try_push((s, t));
-                    }
-                    Within::No => {}
-                    Within::Unsure => doubt = true,
-                }
-            });
-            (!doubt).then_some(found)
-        })
+                !doubt
+            },
+        );
+        if doubt { self.closest_exactly(pieces, frame, ray) } else { closest }
     }
 
     #[inline(always)]
     fn any_with<S: Simd>(&self, simd: S, pieces: &[Piece], frame: &Frame, ray: &Ray) -> bool {
-        let meridian = match self.approach(frame, ray) {
+        let course = match self.approach(simd, frame, ray) {
             Approach::Misses => return false,
-            Approach::Plain(meridian) => meridian,
-            Approach::Difficult => return self.any_carefully(simd, pieces, frame, ray),
+            Approach::Meets(course) => course,
+            Approach::Strange => return self.closest_exactly(pieces, frame, ray).is_some(),
         };
-        let line = Line::new(&meridian, [ray.t_min, ray.t_max], self.unit);
-        let range = [ray.t_min, ray.t_max];
-        let near = NEAR * 1024.0 * self.radius;
-        let (mut found, mut doubt) = (false, false);
-        let inside = self.walk(simd, line, true, &mut (), #[inline(always)] |_, leaf, known| {
-            let hit = match known {
-                Some((guess, above)) => leaf.hit(Best(simd), &meridian, guess, above),
-                None => Found::Unknown,
-            };
-            match hit {
-                Found::One((_, t)) if t - range[0] > near && range[1] - t > near => found = true,
-                Found::One((_, t)) if t - range[0] < -near || range[1] - t < -near => {}
-                _ => match self.difficult_leaf(simd, pieces, frame, ray, leaf) {
-                    Some(hits) => found = !hits.is_empty(),
-                    None => doubt = true,
-                },
-            }
-            !found
-        });
-        inside || found || doubt && self.any_carefully(simd, pieces, frame, ray)
-    }
-
-    /// The ray in the half plane, if that is simple.
-    #[inline(always)]
-    fn approach(&self, frame: &Frame, ray: &Ray) -> Approach {
-        let [o, d] = frame.turn(ray);
-        let a = d.x * d.x + d.y * d.y;
-        let k = o.x * d.y - o.y * d.x;
-        let far = greater(greater(o.x.abs(), o.y.abs()), o.z.abs());
-        let length2 = a + d.z * d.z;
-        let simple = far <= self.nearby && a >= SMALLEST && length2 <= LARGEST;
-        if !simple {
-            return Approach::Difficult;
-        }
-        if k * k > a * self.reach2 {
-            return Approach::Misses;
-        }
-        Approach::Plain(Meridian::plain(o, d, a, k))
-    }
-
-    #[inline(never)]
-    fn closest_carefully<S: Simd>(
-        &self,
-        simd: S,
-        pieces: &[Piece],
-        frame: &Frame,
-        ray: &Ray,
-    ) -> Option<Hit> {
-        let query = Query::new(self, pieces, frame, ray)?;
-        let mut closest: Option<Hit> = None;
-        let mut end = query.local.range[1];
-        let mut doubt = false;
-        self.walk(simd, query.line(), false, &mut (), #[inline(always)] |line, leaf, known| {
-            query.hits(simd, leaf, known, #[inline(always)] |s, local_t| {
-                let t = query.local.world_t(local_t);
-                match query.within(local_t, t) {
-                    Within::Yes => {}
-                    Within::No => return,
-                    Within::Unsure => doubt = true,
-                }
-                if let Some(best) = closest {
-                    doubt |= best.piece != leaf.piece() && (local_t - end).abs() < query.near;
-                }
-                if closest.is_none_or(|best| t < best.t) {
-                    closest = Some(Hit { t, piece: leaf.piece(), s });
-                    end = local_t;
-                    line.end_at(local_t);
-                }
-            });
-            true
-        });
-        if doubt { self.closest_exactly(simd, &query) } else { closest }
-    }
-
-    #[inline(never)]
-    fn any_carefully<S: Simd>(
-        &self,
-        simd: S,
-        pieces: &[Piece],
-        frame: &Frame,
-        ray: &Ray,
-    ) -> bool {
-        let Some(query) = Query::new(self, pieces, frame, ray) else { return false };
-        let (mut found, mut doubt) = (false, false);
-        let inside = self.walk(simd, query.line(), true, &mut (), #[inline(always)] |_, leaf, known| {
-            query.hits(simd, leaf, known, #[inline(always)] |_, local_t| {
-                match query.within(local_t, query.local.world_t(local_t)) {
-                    Within::Yes => found = true,
-                    Within::No => {}
-                    Within::Unsure => doubt = true,
-                }
-            });
-            !found
-        });
-        inside || found || (doubt && self.closest_exactly(simd, &query).is_some())
+        let range = Range::new(self, &course, ray);
+        let line = Line::along(&course, range.of_course, self.unit);
+        let mut found = false;
+        let inside = self.walk(
+            simd,
+            line,
+            true,
+            &mut (),
+            #[inline(always)]
+            |_, leaf, known| {
+                found = match range.find(simd, leaf, known, &course) {
+                    Finding::Outside => false,
+                    Finding::Hit(_) => true,
+                    Finding::Unknown => {
+                        !self.exact_hits(pieces, frame, ray, leaf.piece()).is_empty()
+                    }
+                };
+                !found
+            },
+        );
+        inside || found
     }
 
     #[inline(always)]
-    fn all_carefully<S: Simd>(
+    fn all_with<S: Simd>(
         &self,
         simd: S,
         pieces: &[Piece],
@@ -365,69 +245,91 @@ impl Wide {
         ray: &Ray,
         hits: &mut Vec<Hit>,
     ) {
-        let Some(query) = Query::new(self, pieces, frame, ray) else { return };
+        let course = match self.approach(simd, frame, ray) {
+            Approach::Misses => return,
+            Approach::Meets(course) => course,
+            Approach::Strange => return self.all_exactly(pieces, frame, ray, hits),
+        };
+        let range = Range::new(self, &course, ray);
+        let line = Line::along(&course, range.of_course, self.unit);
         let mut doubt = false;
-        self.walk(simd, query.line(), false, &mut (), #[inline(always)] |_, leaf, known| {
-            // What the exact engine finds on the whole piece would be found for each of its leaves.
-            doubt |= query.hits(simd, leaf, known, #[inline(always)] |s, local_t| {
-                let t = query.local.world_t(local_t);
-                match query.within(local_t, t) {
-                    Within::Yes => hits.push(Hit { t, piece: leaf.piece(), s }),
-                    Within::No => {}
-                    Within::Unsure => doubt = true,
+        self.walk(
+            simd,
+            line,
+            false,
+            &mut (),
+            #[inline(always)]
+            |_, leaf, known| {
+                match range.find(simd, leaf, known, &course) {
+                    Finding::Outside => {}
+                    Finding::Hit((s, t)) => hits.push(Hit { t, piece: leaf.piece(), s }),
+                    Finding::Unknown => doubt = true,
                 }
-            });
-            true
-        });
+                !doubt
+            },
+        );
         sort(hits);
-        let near = query.near * (query.local.world_t(1.0) - query.local.world_t(0.0)).abs();
-        if doubt || hits.windows(2).any(|pair| pair[1].t - pair[0].t < near) {
-            hits.clear();
-            self.exactly(simd, &query, |hit| hits.push(hit));
-            sort(hits);
+        if doubt || hits.windows(2).any(|pair| pair[1].t - pair[0].t < range.near) {
+            self.all_exactly(pieces, frame, ray, hits);
         }
+    }
+
+    #[inline(always)]
+    fn approach<S: Simd>(&self, simd: S, frame: &Frame, ray: &Ray) -> Approach {
+        Course::new(Best(simd), frame, ray, self.radius, self.reach2)
+    }
+
+    /// The hits on one piece as the exact engine finds them.
+    #[cold]
+    #[inline(never)]
+    fn exact_hits(&self, pieces: &[Piece], frame: &Frame, ray: &Ray, piece: u32) -> Few {
+        let mut hits = Few::new();
+        if let Some(query) = Query::new(frame, ray) {
+            query.hits(pieces, piece, |hit| {
+                // No more can come than there is room for.
+                let _ = hits.try_push(hit);
+            });
+        }
+        hits
     }
 
     /// The closest hit as the exact engine finds it.
     #[cold]
     #[inline(never)]
-    fn closest_exactly<S: Simd>(
-        &self,
-        simd: S,
-        query: &Query<'_>,
-    ) -> Option<Hit> {
+    fn closest_exactly(&self, pieces: &[Piece], frame: &Frame, ray: &Ray) -> Option<Hit> {
+        let query = Query::new(frame, ray)?;
         let mut closest: Option<Hit> = None;
-        let order = |h: &Hit| (h.t, h.piece);
-        self.exactly(simd, query, |hit| {
-            if closest.is_none_or(|best| order(&hit) < order(&best)) {
-                closest = Some(hit);
-            }
+        let mut end = query.local.range[1];
+        self.candidates(&query.meridian, query.local.range, &mut (), |piece| {
+            query.hits(pieces, piece, |hit| {
+                let order = |h: &Hit| (h.t, h.piece);
+                if closest.is_none_or(|best| order(&hit) < order(&best)) {
+                    closest = Some(hit);
+                    end = query.local.local_t(hit.t);
+                }
+            });
+            end
         });
         closest
     }
 
-    /// All hits in the ray's range as the exact engine finds them.
-    fn exactly<S: Simd>(
-        &self,
-        simd: S,
-        query: &Query<'_>,
-        mut report: impl FnMut(Hit),
-    ) {
-        let mut pieces = Vec::new();
-        self.walk(simd, query.line(), false, &mut (), |_, leaf, _| {
-            pieces.push(leaf.piece());
-            true
+    /// All hits as the exact engine finds them.
+    #[cold]
+    #[inline(never)]
+    fn all_exactly(&self, pieces: &[Piece], frame: &Frame, ray: &Ray, hits: &mut Vec<Hit>) {
+        hits.clear();
+        let Some(query) = Query::new(frame, ray) else { return };
+        let mut candidates = Vec::new();
+        self.candidates(&query.meridian, query.local.range, &mut (), |piece| {
+            candidates.push(piece);
+            f64::INFINITY
         });
-        pieces.sort_unstable();
-        pieces.dedup();
-        for piece in pieces {
-            root::hits(&query.pieces[piece as usize], &query.meridian, |s, local_t| {
-                let t = query.local.world_t(local_t);
-                if query.ray.t_min <= t && t <= query.ray.t_max {
-                    report(Hit { t, piece, s });
-                }
-            });
+        candidates.sort_unstable();
+        candidates.dedup();
+        for piece in candidates {
+            query.hits(pieces, piece, |hit| hits.push(hit));
         }
+        sort(hits);
     }
 
     /// Visits the leaves that a line may hit, near ones first by and large, as long as `visit` says
@@ -492,110 +394,84 @@ impl Wide {
     }
 }
 
-/// A ray in all its forms, and what it is asked of.
-struct Query<'a> {
-    wide: &'a Wide,
-    pieces: &'a [Piece],
-    ray: &'a Ray,
-    local: LocalRay,
-    meridian: Meridian,
-    /// [`NEAR`], as a difference of local parameters.
+/// Between which parameters hits count.
+struct Range {
+    /// In the course's own parameter.
+    of_course: [f64; 2],
+    shift: f64,
     near: f64,
 }
 
-/// Whether a hit is in the ray's range.
-enum Within {
-    Yes,
-    No,
-    Unsure,
+/// What is known of the hits on a leaf.
+enum Finding {
+    /// There are none in the range.
+    Outside,
+    /// This is the only one, with its place on the piece.
+    Hit((f64, f64)),
+    /// That is for the exact engine to say.
+    Unknown,
 }
 
-impl<'a> Query<'a> {
+impl Range {
     #[inline(always)]
-    fn new(wide: &'a Wide, pieces: &'a [Piece], frame: &Frame, ray: &'a Ray) -> Option<Self> {
-        let local = frame.enter(ray)?;
-        let (o, d) = (local.origin, local.direction);
-        let k = o.x * d.y - o.y * d.x;
-        if k * k > (d.x * d.x + d.y * d.y) * wide.reach2 {
-            return None;
-        }
-        let meridian = Meridian::new(o, d);
-        Some(Self { wide, pieces, ray, local, meridian, near: NEAR * wide.radius })
+    fn new(wide: &Wide, course: &Course, ray: &Ray) -> Self {
+        let of_course = [ray.t_min - course.shift, ray.t_max - course.shift];
+        // The direction is no shorter than 2^-10; what the shift is off, both ends are.
+        let near = NEAR * 1024.0 * wide.radius + gamma(8) * course.shift.abs();
+        Self { of_course, shift: course.shift, near }
     }
 
+    /// The hit on a leaf that is known to have one.
     #[inline(always)]
-    fn line(&self) -> Line {
-        Line::new(&self.meridian, self.local.range, self.wide.unit)
-    }
-
-    /// Reports all hits on a leaf as (s, t), t in the frame's own parameter, or on the whole piece if
-    /// it takes the exact engine to find them; then the answer is true.
-    #[inline(always)]
-    fn hits<S: Simd>(
+    fn find<S: Simd>(
         &self,
         simd: S,
         leaf: &Leaf,
         known: Option<(f32, bool)>,
-        mut report: impl FnMut(f64, f64),
-    ) -> bool {
-        let found = match known {
-            Some((guess, above)) => leaf.hit(Best(simd), &self.meridian, guess, above),
-            None => unsure_hits(simd, leaf, &self.meridian, self.wide.unit),
+        course: &Course,
+    ) -> Finding {
+        let Some((guess, above)) = known else { return Finding::Unknown };
+        let Some((s, t)) = leaf.hit(Best(simd), course, guess, above) else {
+            return Finding::Unknown;
         };
-        match found {
-            Found::None => {}
-            Found::One((s, t)) => report(s, t),
-            Found::Two(hits) => {
-                for (s, t) in hits {
-                    report(s, t);
-                }
-            }
-            Found::Unknown => {
-                for (s, t) in exact_hits(&self.pieces[leaf.piece() as usize], &self.meridian) {
-                    report(s, t);
-                }
-                return true;
-            }
-        }
-        false
-    }
-
-    /// Whether a hit is in the ray's range, given its parameter in the frame and that of the ray.
-    #[inline(always)]
-    fn within(&self, local_t: f64, t: f64) -> Within {
-        let [lo, hi] = self.local.range;
-        if local_t - lo > self.near && hi - local_t > self.near {
-            return Within::Yes;
-        }
-        let (t_min, t_max) = (self.ray.t_min, self.ray.t_max);
-        let sure = lo - local_t > self.near || local_t - hi > self.near;
-        // The range in the frame holds the ray's own, with room for rounding.
-        match (sure, t_min <= t && t <= t_max) {
-            (true, false) => Within::No,
-            _ => Within::Unsure,
+        let (after, before) = (t - self.of_course[0], self.of_course[1] - t);
+        if after > self.near && before > self.near {
+            Finding::Hit((s, t + self.shift))
+        } else if after < -self.near || before < -self.near {
+            Finding::Outside
+        } else {
+            Finding::Unknown
         }
     }
 }
 
-/// Rarely needed, and too long to be inlined everywhere.
-#[inline(never)]
-fn unsure_hits<S: Simd>(simd: S, leaf: &Leaf, ray: &Meridian, unit: f64) -> Found {
-    simd.vectorize(#[inline(always)] || leaf.hits(Best(simd), ray, unit))
+/// A ray as the exact engine sees it.
+struct Query<'a> {
+    ray: &'a Ray,
+    local: LocalRay,
+    meridian: Meridian,
+}
+
+impl<'a> Query<'a> {
+    fn new(frame: &Frame, ray: &'a Ray) -> Option<Self> {
+        let local = frame.enter(ray)?;
+        Some(Self { ray, local, meridian: Meridian::new(local.origin, local.direction) })
+    }
+
+    fn hits(&self, pieces: &[Piece], piece: u32, mut report: impl FnMut(Hit)) {
+        root::hits(&pieces[piece as usize], &self.meridian, |s, local_t| {
+            let t = self.local.world_t(local_t);
+            if self.ray.t_min <= t && t <= self.ray.t_max {
+                report(Hit { t, piece, s });
+            }
+        });
+    }
 }
 
 /// More hits than a piece can have: two for each of the six roots of F.
 const MOST_HITS: usize = 12;
 
-#[cold]
-#[inline(never)]
-fn exact_hits(piece: &Piece, ray: &Meridian) -> ArrayVec<(f64, f64), MOST_HITS> {
-    let mut hits = ArrayVec::new();
-    // No more can come than there is room for.
-    root::hits(piece, ray, |s, t| {
-        let _ = hits.try_push((s, t));
-    });
-    hits
-}
+type Few = ArrayVec<Hit, MOST_HITS>;
 
 /// Takes the lowest bit of a set, or the highest.
 #[inline(always)]
