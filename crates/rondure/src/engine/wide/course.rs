@@ -51,7 +51,7 @@ const FAR: f64 = (1_u64 << 30) as f64;
 /// differs too much.
 const LONGEST: f64 = (1_u64 << 40) as f64;
 const SHORTEST: f64 = 1.0 / (1_u64 << 20) as f64;
-const STEEPEST: f64 = (1_u64 << 20) as f64;
+const STEEPEST: f64 = (1_u64 << 12) as f64;
 
 impl Course {
     /// A ray as a surface sees it that stands in a frame, with points no farther from its centre than

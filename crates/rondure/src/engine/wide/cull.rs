@@ -52,7 +52,7 @@ pub(super) struct Block {
 /// What is known of sixteen leaves: sets of bits.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Hits {
-    /// Those that have one root, for certain,
+    /// Those that have one root for certain, or one on each half of the ray,
     pub(super) sure: u32,
     /// of which these have it at a height where the line is.
     pub(super) inside: u32,
@@ -62,6 +62,18 @@ pub(super) struct Hits {
     pub(super) guess: [f32; LANES],
     /// and whether X >= 0 there.
     pub(super) above: u32,
+    /// Those that have one on the other half, too, and where.
+    pub(super) double: u32,
+    pub(super) other_guess: [f32; LANES],
+}
+
+/// The roots on one leaf: about where, as a share of the leaf from its lower end, and whether X >= 0
+/// there; and where on the other half of the ray, if there is one, too.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Roots {
+    pub(super) guess: f32,
+    pub(super) above: bool,
+    pub(super) other: Option<f32>,
 }
 
 /// Sixteen boxes in (z, w).
@@ -234,7 +246,7 @@ impl Block {
             & w0.max(w1).simd_ge(splat(simd, line.w));
         let may = may.to_bitmask() as u32;
         if may == 0 {
-            return Hits { sure: 0, inside: 0, unsure: 0, guess: [0.0; LANES], above: 0 };
+            return Hits::NONE;
         }
         let zero = splat(simd, 0.0);
         let (reach0, reach1) = ((-q0).max(zero).sqrt(), (-q1).max(zero).sqrt());
@@ -254,15 +266,17 @@ impl Block {
         let flattest = load(simd, &self.slopes[0]) * -eta;
         let (rising, falling) = (low.simd_gt(steepest), high.simd_lt(flattest));
         let (rising_too, falling_too) = ((-high).simd_gt(steepest), (-low).simd_lt(flattest));
-        let across =
-            (rising | falling) & (rising_too | falling_too) & near.simd_gt(zero) & !(outer0 & outer1);
+        let across = (rising | falling) & (rising_too | falling_too) & near.simd_gt(zero);
         let clear = f0.abs().min(f1.abs()).simd_gt(padding);
         let certain = clear & (one_half & (rising | falling) | across);
         let certain = certain.to_bitmask() as u32 & may;
-        let roots = (!outer0.simd_eq(outer1)).to_bitmask() as u32;
+        let double = certain & (!one_half & outer0 & outer1).to_bitmask() as u32;
+        let roots = (!outer0.simd_eq(outer1)).to_bitmask() as u32 | double;
         let sign = above.select(splat(simd, 1.0), splat(simd, -1.0));
         let (g0, g1) = (sign.mul_sub(x0, reach0), sign.mul_sub(x1, reach1));
         let guess = g0 / (g0 - g1);
+        let (g0, g1) = (sign.mul_add(x0, reach0), sign.mul_add(x1, reach1));
+        let other_guess = g0 / (g0 - g1);
         let within = z0.simd_ge(splat(simd, line.z[0] + 2.0 * PADDING))
             & z1.simd_le(splat(simd, line.z[1] - 2.0 * PADDING));
         let sure = certain & roots;
@@ -272,7 +286,32 @@ impl Block {
             unsure: may & !certain,
             guess: guess.into(),
             above: above.to_bitmask() as u32,
+            double,
+            other_guess: other_guess.into(),
         }
+    }
+}
+
+impl Hits {
+    const NONE: Self = Self {
+        sure: 0,
+        inside: 0,
+        unsure: 0,
+        guess: [0.0; LANES],
+        above: 0,
+        double: 0,
+        other_guess: [0.0; LANES],
+    };
+
+    /// The roots on a leaf; `None` if they are not certain.
+    #[inline(always)]
+    pub(super) fn roots(&self, lane: usize) -> Option<Roots> {
+        let (bit, lane) = (1 << lane, lane % LANES);
+        (self.sure & bit != 0).then(|| Roots {
+            guess: self.guess[lane],
+            above: self.above & bit != 0,
+            other: (self.double & bit != 0).then(|| self.other_guess[lane]),
+        })
     }
 }
 

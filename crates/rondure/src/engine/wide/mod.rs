@@ -22,9 +22,9 @@ mod leaf;
 use arrayvec::ArrayVec;
 use fearless_simd::{Level, Simd, dispatch};
 
-use self::arithmetic::Best;
+use self::arithmetic::{Best, Fused};
 use self::course::{Approach, Course};
-use self::cull::{Block, Boxes, LANES, Line};
+use self::cull::{Block, Boxes, LANES, Line, Roots};
 use self::leaf::Leaf;
 use super::counters::Count;
 use crate::Ray;
@@ -174,31 +174,20 @@ impl Wide {
             &mut (),
             #[inline(always)]
             |line, leaf, known| {
-                match range.find(simd, leaf, known, &course) {
-                    Finding::Outside => {}
-                    Finding::Hit((s, t)) => {
-                        if let Some(best) = closest {
-                            // Rounding must not choose between pieces.
-                            doubt |= (t - best.t).abs() < range.near && best.piece != leaf.piece();
-                        }
-                        if closest.is_none_or(|best| t < best.t) {
-                            closest = Some(Hit { t, piece: leaf.piece(), s });
-                            line.end_at(t - course.shift);
-                        }
+                let mut consider = |hit: Hit| {
+                    if let Some(best) = closest {
+                        // Rounding must not choose between pieces.
+                        doubt |= (hit.t - best.t).abs() < range.near && best.piece != hit.piece;
                     }
-                    Finding::Unknown => {
-                        let hits = self.exact_hits(pieces, frame, ray, leaf.piece());
-                        for hit in hits {
-                            if let Some(best) = closest {
-                                doubt |= (hit.t - best.t).abs() < range.near
-                                    && best.piece != hit.piece;
-                            }
-                            if closest.is_none_or(|best| hit.t < best.t) {
-                                closest = Some(hit);
-                                line.end_at(hit.t - course.shift);
-                            }
-                        }
+                    if closest.is_none_or(|best| hit.t < best.t) {
+                        closest = Some(hit);
+                        line.end_at(hit.t - course.shift);
                     }
+                };
+                let piece = leaf.piece();
+                let report = |s, t| consider(Hit { t, piece, s });
+                if !range.hits(Best(simd), leaf, &course, known, report) {
+                    self.exact_hits(pieces, frame, ray, piece).into_iter().for_each(consider);
                 }
                 !doubt
             },
@@ -223,13 +212,9 @@ impl Wide {
             &mut (),
             #[inline(always)]
             |_, leaf, known| {
-                found = match range.find(simd, leaf, known, &course) {
-                    Finding::Outside => false,
-                    Finding::Hit(_) => true,
-                    Finding::Unknown => {
-                        !self.exact_hits(pieces, frame, ray, leaf.piece()).is_empty()
-                    }
-                };
+                if !range.hits(Best(simd), leaf, &course, known, |_, _| found = true) {
+                    found |= !self.exact_hits(pieces, frame, ray, leaf.piece()).is_empty();
+                }
                 !found
             },
         );
@@ -260,11 +245,9 @@ impl Wide {
             &mut (),
             #[inline(always)]
             |_, leaf, known| {
-                match range.find(simd, leaf, known, &course) {
-                    Finding::Outside => {}
-                    Finding::Hit((s, t)) => hits.push(Hit { t, piece: leaf.piece(), s }),
-                    Finding::Unknown => doubt = true,
-                }
+                let piece = leaf.piece();
+                let report = |s, t| hits.push(Hit { t, piece, s });
+                doubt = !range.hits(Best(simd), leaf, &course, known, report);
                 !doubt
             },
         );
@@ -342,7 +325,7 @@ impl Wide {
         mut line: Line,
         any: bool,
         count: &mut C,
-        mut visit: impl FnMut(&mut Line, &Leaf, Option<(f32, bool)>) -> bool,
+        mut visit: impl FnMut(&mut Line, &Leaf, Option<Roots>) -> bool,
     ) -> bool {
         let rises = line.rises();
         let mut stack = ArrayVec::<(usize, usize, u32), MOST_LEVELS>::new();
@@ -383,10 +366,7 @@ impl Wide {
                     continue;
                 }
                 count.solve();
-                let bit = 1 << lane;
-                let known = (hits.sure & bit != 0)
-                    .then_some((hits.guess[lane % LANES], hits.above & bit != 0));
-                if !visit(&mut line, leaf, known) {
+                if !visit(&mut line, leaf, hits.roots(lane)) {
                     return false;
                 }
             }
@@ -421,19 +401,17 @@ impl Range {
         Self { of_course, shift: course.shift, near }
     }
 
-    /// The hit on a leaf that is known to have one.
+    /// The hit on a leaf at a root that is certain.
     #[inline(always)]
-    fn find<S: Simd>(
+    fn find(
         &self,
-        simd: S,
+        fma: impl Fused,
         leaf: &Leaf,
-        known: Option<(f32, bool)>,
         course: &Course,
+        guess: f32,
+        above: bool,
     ) -> Finding {
-        let Some((guess, above)) = known else { return Finding::Unknown };
-        let Some((s, t)) = leaf.hit(Best(simd), course, guess, above) else {
-            return Finding::Unknown;
-        };
+        let Some((s, t)) = leaf.hit(fma, course, guess, above) else { return Finding::Unknown };
         let (after, before) = (t - self.of_course[0], self.of_course[1] - t);
         if after > self.near && before > self.near {
             Finding::Hit((s, t + self.shift))
@@ -442,6 +420,32 @@ impl Range {
         } else {
             Finding::Unknown
         }
+    }
+
+    /// Reports the hits on a leaf, with their places on the piece; false if that is for the exact
+    /// engine to do.
+    #[inline(always)]
+    fn hits(
+        &self,
+        fma: impl Fused,
+        leaf: &Leaf,
+        course: &Course,
+        known: Option<Roots>,
+        mut report: impl FnMut(f64, f64),
+    ) -> bool {
+        let Some(Roots { guess, above, other }) = known else { return false };
+        match self.find(fma, leaf, course, guess, above) {
+            Finding::Unknown => return false,
+            Finding::Hit((s, t)) => report(s, t),
+            Finding::Outside => {}
+        }
+        let Some(guess) = other else { return true };
+        match self.find(fma, leaf, course, guess, !above) {
+            Finding::Unknown => return false,
+            Finding::Hit((s, t)) => report(s, t),
+            Finding::Outside => {}
+        }
+        true
     }
 }
 
