@@ -28,8 +28,6 @@ pub(super) struct Course {
     pub(super) kappa: f64,
     /// X at z = 0.
     pub(super) x: f64,
-    /// z - oz where X = 0, downwards.
-    rise: f64,
     /// What the ray's own parameter is more than that used here.
     pub(super) shift: f64,
 }
@@ -93,7 +91,6 @@ impl Course {
             eta,
             kappa: eta * (k2 * per_a),
             x: rise - o.z,
-            rise,
             shift,
         })
     }
@@ -105,17 +102,17 @@ impl Course {
     }
 
     /// The ray parameter, counted from the origin used here, at a point of the half plane that lies on the
-    /// course, given r and X. See [`Meridian::t`](crate::meridian::Meridian::t).
+    /// course, with X >= 0 or not. See [`Meridian::t`](crate::meridian::Meridian::t).
     #[inline(always)]
-    pub(super) fn t(&self, r: f64, x: f64) -> f64 {
+    pub(super) fn t(&self, r: f64, z: f64, above: bool) -> f64 {
         let reach = self.a * (r * r) - self.k2;
         let dz2 = self.dz * self.dz;
         if self.a > dz2 && reach >= dz2 * (r * r) {
-            let outward = (x >= 0.0) == (self.dz >= 0.0);
+            let outward = above == (self.dz >= 0.0);
             let root = greater(reach, 0.0).sqrt();
             ((if outward { root } else { -root }) - self.b) * self.per_a
         } else {
-            (x - self.rise) / self.dz
+            (z - self.oz) / self.dz
         }
     }
 }

@@ -142,16 +142,29 @@ impl Leaf {
             let step = 0.5 * at.value / at.half_slope;
             s -= step;
             if step.abs() <= LAST_STEP {
-                let (r, x) = (fma.fused(-step, at.dr, at.r), fma.fused(-step, at.dx, at.x));
-                let (r, x) = if at.per == 1.0 { (r, x) } else { (r * at.per, x * at.per) };
-                if !(s >= -OVERSHOOT && s <= 1.0 + OVERSHOOT && (x >= 0.0) == above) {
+                let above_here = fma.fused(-step, at.dx, at.x) >= 0.0;
+                if !(s >= -OVERSHOOT && s <= 1.0 + OVERSHOOT && above_here == above) {
                     return None;
                 }
                 let s = greater(lesser(s, 1.0), 0.0);
-                return Some((fma.fused(s, self.share, self.first), course.t(r, x)));
+                let (r, z) = self.point(fma, s);
+                return Some((fma.fused(s, self.share, self.first), course.t(r, z, above)));
             }
         }
         None
+    }
+
+    /// r and z.
+    #[inline(always)]
+    fn point(&self, fma: impl Fused, s: f64) -> (f64, f64) {
+        let [r, z] = [&self.r, &self.z];
+        if self.piece_and_kind & 1 == 1 {
+            let per = 1.0 / fma.fused(fma.fused(z[3], s, r[3]), s, 1.0);
+            let [r, z] = [r, z].map(|c| fma.fused(fma.fused(c[2], s, c[1]), s, c[0]) * per);
+            return (r, z);
+        }
+        let cubic = |c: &[f64; 4]| fma.fused(fma.fused(fma.fused(c[3], s, c[2]), s, c[1]), s, c[0]);
+        (cubic(r), cubic(z))
     }
 
     #[inline(always)]
@@ -166,7 +179,7 @@ impl Leaf {
             fma.fused(x, dx, -(course.eta * r) * dr),
             fma.fused(x, ddx, dx * dx) - course.eta * fma.fused(r, ddr, dr * dr),
         );
-        Expansion { value, half_slope, half_bend, r, dr, x, dx, per: 1.0 }
+        Expansion { value, half_slope, half_bend, x, dx }
     }
 
     /// The same times the square of the denominator.
@@ -186,24 +199,17 @@ impl Leaf {
         let half_slope = fma.fused(x, dx, fma.fused(kappa * q, dq, -(eta * r) * dr));
         let half_bend = fma.fused(x, ddx, dx * dx) + kappa * fma.fused(q, ddq, dq * dq)
             - eta * fma.fused(r, ddr, dr * dr);
-        // The quotients change with the denominator, too.
-        let per = 1.0 / q;
-        let (dr, dx) = (fma.fused(-(r * per), dq, dr), fma.fused(-(x * per), dq, dx));
-        Expansion { value, half_slope, half_bend, r, dr, x, dx, per }
+        Expansion { value, half_slope, half_bend, x, dx }
     }
 }
 
-/// F with half its first and half its second derivative, r and X with their derivatives, all at one place;
-/// `per` is what r, X and their derivatives are still to be multiplied by.
+/// F with half its first and half its second derivative, and X with its derivative, all at one place.
 struct Expansion {
     value: f64,
     half_slope: f64,
     half_bend: f64,
-    r: f64,
-    dr: f64,
     x: f64,
     dx: f64,
-    per: f64,
 }
 
 /// A cubic with its first and second derivative; its constant coefficient is given apart.
