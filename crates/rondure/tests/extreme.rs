@@ -130,8 +130,12 @@ fn check(name: &str, closed: bool, instance: &Instance, ray: &Ray, found: &mut u
         let mut inside = Vec::new();
         instance.all(&ray, &mut inside);
         let closest = instance.closest(&ray);
-        let t = |hit: Option<&rondure::Hit>| hit.map(|h| h.t);
-        assert_eq!(t(closest.as_ref()), t(inside.first()), "{} {range:?}", words());
+        assert_eq!(closest.is_some(), !inside.is_empty(), "{} {range:?}", words());
+        for (closest, first) in closest.iter().zip(&inside) {
+            // They come by different ways, from placements that are all but flat.
+            let near = (closest.t - first.t).abs() <= 1e-9 * first.t.abs();
+            assert!(near, "{} {range:?} {closest:?}", words());
+        }
         assert_eq!(closest.is_some(), instance.any(&ray), "{} {range:?}", words());
         for hit in &inside {
             assert!(range[0] <= hit.t && hit.t <= range[1]);

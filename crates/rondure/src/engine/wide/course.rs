@@ -56,6 +56,10 @@ impl Course {
     /// `radius`, and from its axis than the square root of `reach2`.
     #[inline(always)]
     pub(super) fn new(fma: impl Fused, frame: &Frame, ray: &Ray, radius: f64, reach2: f64) -> Approach {
+        // Also false where one is not a number.
+        if !(ray.t_min <= ray.t_max) {
+            return Approach::Misses;
+        }
         let [mut o, d] = frame.turn(ray);
         let far = greater(greater(o.x.abs(), o.y.abs()), o.z.abs());
         let a = d.x * d.x + d.y * d.y;

@@ -3,14 +3,10 @@
 //! Everything is measured in a unit near the surface's radius, so that f32 holds it. With the ray in the
 //! form `F = X^2 + kappa - eta w` (see [`meridian`](crate::meridian); w = rho^2, X linear in z), a leaf
 //! lies, in the plane (z, w), near the chord of its ends, no more than `below` under and `above` over
-//! it. Along the chord F is a parabola that opens upwards, with the second difference dX^2. Hence on
-//! the leaf
-//!
-//! ```text
-//! min(F0, F1) - dX^2 / 4 - eta above  <=  F  <=  max(F0, F1) + eta below,
-//! ```
-//!
-//! and if 0 is not in between, the whole line misses the leaf. Ranges of z and w tell whether the
+//! it. Along the chord F is a parabola that opens upwards, with the Bernstein coefficients F0,
+//! (F0 + F1 - dX^2) / 2 and F1. On the leaf it is no less than that parabola lowered by eta `above`, and
+//! no more than max(F0, F1) + eta `below`: if the first has no root, or the second is negative, the
+//! whole line misses the leaf. Ranges of z and w tell whether the
 //! part of the line that counts comes near it. Groups of leaves are boxes in (z, w), tested likewise.
 //!
 //! Of the leaves that remain, most have one root or none for certain, by the argument of
@@ -234,12 +230,16 @@ impl Block {
         let (q0, q1) = (eta.mul_add(w0, kappa), eta.mul_add(w1, kappa));
         let (f0, f1) = (x0.mul_add(x0, q0), x1.mul_add(x1, q1));
         let dx = x1 - x0;
-        let dip = (dx * splat(simd, 0.25)) * dx;
-        let (least, most) = (f0.min(f1), f0.max(f1));
-        let lowest = eta.mul_add(load(simd, &self.above), least - dip);
-        let highest = most - eta * load(simd, &self.below);
+        let zero = splat(simd, 0.0);
         let padding = splat(simd, line.padding);
-        let may = lowest.simd_le(padding)
+        let lowered = eta.mul_sub(load(simd, &self.above), padding);
+        let (low0, low1) = (f0 + lowered, f1 + lowered);
+        // Twice the middle coefficient, and the discriminant with room for rounding.
+        let middle = low0 + low1 - dx * dx;
+        let dips = middle.simd_lt(zero)
+            & (middle * middle).simd_ge((low0 * splat(simd, 3.999)) * low1);
+        let highest = f0.max(f1) - eta * load(simd, &self.below);
+        let may = (low0.min(low1).simd_le(zero) | dips)
             & highest.simd_ge(-padding)
             & z0.simd_le(splat(simd, line.z[1]))
             & z1.simd_ge(splat(simd, line.z[0]))
@@ -248,7 +248,6 @@ impl Block {
         if may == 0 {
             return Hits::NONE;
         }
-        let zero = splat(simd, 0.0);
         let (reach0, reach1) = ((-q0).max(zero).sqrt(), (-q1).max(zero).sqrt());
         let room = splat(simd, line.root_padding);
         let near = (reach0.min(reach1) - room).max(zero);
