@@ -8,11 +8,20 @@ fn main() {
     let rays = if set == "camera" { camera_rays() } else { random_rays(&surface.bounds()) };
     let n = rays.len();
     let mut s = 0.0;
-    let rounds = if std::env::args().nth(3).is_some() {100} else {1};
+    let rounds = if std::env::args().nth(5).is_some() {1} else if std::env::args().nth(3).is_some() {100} else {1};
+    let rays: Vec<Ray> = if std::env::args().nth(5).is_some() { rays.into_iter().step_by(24).collect() } else { rays };
     let b = surface.bounds();
     let rm = b.max.x;
     let class = |r: &Ray| { if surface.closest(r).is_some() { return "hit"; } let k = r.origin.x*r.direction.y - r.origin.y*r.direction.x; if k*k > (r.direction.x.powi(2)+r.direction.y.powi(2))*rm*rm { "out" } else { "near" } };
     let rays: Vec<Ray> = if let Some(c) = std::env::args().nth(4) { rays.into_iter().filter(|r| class(r) == c).collect()} else {rays};
+    let start = cpu_time::ThreadTime::now();
+    let col = |f: &dyn Fn(&Ray) -> f64| rays.iter().map(f).collect::<Vec<f64>>();
+    let (ox, oy, oz, dx, dy, dz, t0, t1) = (col(&|r| r.origin.x), col(&|r| r.origin.y), col(&|r| r.origin.z), col(&|r| r.direction.x), col(&|r| r.direction.y), col(&|r| r.direction.z), col(&|r| r.t_min), col(&|r| r.t_max));
+    let soa = Rays::new([&ox, &oy, &oz], [&dx, &dy, &dz], &t0, &t1).unwrap();
+    let mut hits = Hits::default();
+    let b0 = cpu_time::ThreadTime::now();
+    for _ in 0..rounds { surface.closest_of_many(&soa, &mut hits); }
+    println!("batch {} ns {}", b0.elapsed().as_secs_f64()*1e9/(rounds*rays.len()) as f64, hits.t.iter().filter(|t| t.is_finite()).sum::<f64>());
     let start = cpu_time::ThreadTime::now();
     for _ in 0..rounds { s = run(&surface, &rays); }
     println!("{n} {s} {} ns", start.elapsed().as_secs_f64()*1e9/(rounds*rays.len()) as f64);

@@ -20,6 +20,7 @@
 
 mod affine;
 mod arc_length;
+mod batch;
 mod bounds;
 pub mod engine;
 mod frame;
@@ -36,6 +37,7 @@ mod surface;
 mod vector;
 
 pub use affine::Affine;
+pub use batch::{Hits, Rays};
 pub use bounds::Bounds;
 pub use engine::{EngineOptions, Method};
 pub use instance::Instance;

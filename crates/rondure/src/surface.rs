@@ -5,6 +5,7 @@
 //! ```
 
 use crate::arc_length::ArcLength;
+use crate::batch::{Hits, Rays};
 use crate::engine::{Engine, EngineOptions, Polyline, Statistics, TreeNode};
 use crate::frame::{Frame, LocalRay, largest_stretch};
 use crate::interaction::{Interaction, interaction};
@@ -207,6 +208,18 @@ impl Surface {
     /// hits. A tangency counts as two hits or as none.
     pub fn all(&self, ray: &Ray, hits: &mut Vec<Hit>) {
         self.all_from(&self.frame, ray, hits);
+    }
+
+    /// The closest hits of many rays: the same as [`closest`](Self::closest) finds for each, t apart
+    /// by rounding.
+    pub fn closest_of_many(&self, rays: &Rays<'_>, hits: &mut Hits) {
+        if let Some(wide) = self.engine.wide() {
+            return wide.closest_of_many(&self.pieces, &self.frame, rays, hits);
+        }
+        hits.clear(rays.len());
+        for i in 0..rays.len() {
+            hits.set(i, self.closest(&rays.get(i)));
+        }
     }
 
     /// The full answer for a hit that this surface reported for this ray.

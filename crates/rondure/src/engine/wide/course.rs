@@ -11,7 +11,7 @@
 //! For steep rays it grows with eta, but so do its errors: it stays sound as long as `a` does not
 //! vanish beside dz^2.
 
-use super::arithmetic::{Fused, greater};
+use super::arithmetic::greater;
 use crate::frame::Frame;
 use crate::{Ray, Vec3};
 
@@ -55,7 +55,7 @@ impl Course {
     /// A ray as a surface sees it that stands in a frame, with points no farther from its centre than
     /// `radius`, and from its axis than the square root of `reach2`.
     #[inline(always)]
-    pub(super) fn new(fma: impl Fused, frame: &Frame, ray: &Ray, radius: f64, reach2: f64) -> Approach {
+    pub(super) fn new(frame: &Frame, ray: &Ray, radius: f64, reach2: f64) -> Approach {
         // Also false where one is not a number.
         if !(ray.t_min <= ray.t_max) {
             return Approach::Misses;
@@ -70,11 +70,11 @@ impl Course {
             if !(far <= FAR * radius && length2 >= SHORTEST && length2 <= LONGEST) {
                 return Approach::Strange;
             }
-            o = approached(fma, frame, ray, shift);
+            o = approached(frame, ray, shift);
         }
         let k = o.x * d.y - o.y * d.x;
         let k2 = k * k;
-        if k2 > a * reach2 {
+        if k2 > a * reach2 && a >= SHORTEST {
             return Approach::Misses;
         }
         let dz2 = d.z * d.z;
@@ -123,13 +123,13 @@ impl Course {
 
 /// The origin moved along a ray from far away, without losing what cancels.
 #[cold]
-fn approached(fma: impl Fused, frame: &Frame, ray: &Ray, shift: f64) -> Vec3 {
+fn approached(frame: &Frame, ray: &Ray, shift: f64) -> Vec3 {
     let [(x, xl), (y, yl), (z, zl)] = frame.from_center(ray.origin);
     let d = ray.direction;
     let moved = Vec3::new(
-        fma.fused(shift, d.x, x) + xl,
-        fma.fused(shift, d.y, y) + yl,
-        fma.fused(shift, d.z, z) + zl,
+        shift.mul_add(d.x, x) + xl,
+        shift.mul_add(d.y, y) + yl,
+        shift.mul_add(d.z, z) + zl,
     );
     frame.turned(moved)
 }

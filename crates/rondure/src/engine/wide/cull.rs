@@ -13,8 +13,9 @@
 //! [`leaf`](super::leaf), with room for the rounding of f32. The others are left to that.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16};
+use fearless_simd::{Simd, f32x16, mask32x16};
 
+use super::arithmetic::{greater, lesser};
 use super::course::Course;
 use crate::meridian::Meridian;
 use crate::piece::{Kind, Piece};
@@ -70,6 +71,8 @@ pub(super) struct Roots {
     pub(super) guess: f32,
     pub(super) above: bool,
     pub(super) other: Option<f32>,
+    /// Whether all of the leaf is at heights where the line is.
+    pub(super) inside: bool,
 }
 
 /// Sixteen boxes in (z, w).
@@ -182,6 +185,17 @@ impl Line {
         }
     }
 
+    /// Ends the line beyond a leaf.
+    #[inline(always)]
+    pub(super) fn end_after(&mut self, [z0, z1]: [f64; 2]) {
+        let (low, high) = (lesser(z0, z1) * self.unit, greater(z0, z1) * self.unit);
+        if self.dz >= 0.0 {
+            self.z[1] = self.z[1].min(high as f32 + PADDING);
+        } else {
+            self.z[0] = self.z[0].max(low as f32 - PADDING);
+        }
+    }
+
     /// Whether all of a leaf lies beyond the end of the line, since it was last shortened.
     #[inline(always)]
     pub(super) fn ends_before(&self, [z0, z1]: [f64; 2]) -> bool {
@@ -220,7 +234,7 @@ impl Block {
 
     /// Which of the leaves the line hits, and where.
     #[inline(always)]
-    pub(super) fn test<S: Simd>(&self, simd: S, line: &Line) -> Hits {
+    pub(super) fn test<S: Simd>(&self, simd: S, line: &Line, hits: &mut Hits) {
         let [z0, z1] = [load(simd, &self.z[0]), load(simd, &self.z[1])];
         let [w0, w1] = [load(simd, &self.w[0]), load(simd, &self.w[1])];
         let slope = splat(simd, line.slope);
@@ -245,8 +259,9 @@ impl Block {
             & z1.simd_ge(splat(simd, line.z[0]))
             & w0.max(w1).simd_ge(splat(simd, line.w));
         let may = may.to_bitmask() as u32;
+        (hits.sure, hits.unsure) = (0, 0);
         if may == 0 {
-            return Hits::NONE;
+            return;
         }
         let (reach0, reach1) = ((-q0).max(zero).sqrt(), (-q1).max(zero).sqrt());
         let room = splat(simd, line.root_padding);
@@ -256,43 +271,48 @@ impl Block {
         // the slope of X; on the other half it is the opposite.
         let (a, b) = (slope * near, slope * far);
         let (low, high) = (a.min(b), a.max(b));
-        let (outer0, outer1) = (f0.simd_ge(zero), f1.simd_ge(zero));
-        let above0 = x0.simd_ge(zero);
-        let one_half = above0.simd_eq(x1.simd_ge(zero));
-        let above = above0.simd_eq(one_half | outer0);
-        let (low, high) = (above.select(low, -high), above.select(high, -low));
+        let above0 = x0.simd_ge(zero).to_bitmask() as u32;
+        let one_half = !(above0 ^ x1.simd_ge(zero).to_bitmask() as u32);
+        let outer0 = f0.simd_ge(zero).to_bitmask() as u32;
+        let outer1 = f1.simd_ge(zero).to_bitmask() as u32;
+        let above = !(above0 ^ (one_half | outer0));
         let steepest = load(simd, &self.slopes[1]) * -eta;
         let flattest = load(simd, &self.slopes[0]) * -eta;
-        let (rising, falling) = (low.simd_gt(steepest), high.simd_lt(flattest));
-        let (rising_too, falling_too) = ((-high).simd_gt(steepest), (-low).simd_lt(flattest));
-        let across = (rising | falling) & (rising_too | falling_too) & near.simd_gt(zero);
-        let clear = f0.abs().min(f1.abs()).simd_gt(padding);
-        let certain = clear & (one_half & (rising | falling) | across);
-        let certain = certain.to_bitmask() as u32 & may;
-        let double = certain & (!one_half & outer0 & outer1).to_bitmask() as u32;
-        let roots = (!outer0.simd_eq(outer1)).to_bitmask() as u32 | double;
-        let sign = above.select(splat(simd, 1.0), splat(simd, -1.0));
-        let (g0, g1) = (sign.mul_sub(x0, reach0), sign.mul_sub(x1, reach1));
-        let guess = g0 / (g0 - g1);
-        let (g0, g1) = (sign.mul_add(x0, reach0), sign.mul_add(x1, reach1));
-        let other_guess = g0 / (g0 - g1);
+        // Whether F' has one sign at all roots with X > 0, and with X < 0.
+        let certain_above =
+            (low.simd_gt(steepest) | high.simd_lt(flattest)).to_bitmask() as u32;
+        let certain_below =
+            ((-high).simd_gt(steepest) | (-low).simd_lt(flattest)).to_bitmask() as u32;
+        let certain_here = above & certain_above | !above & certain_below;
+        let across = certain_above & certain_below & near.simd_gt(zero).to_bitmask() as u32;
+        let clear = f0.abs().min(f1.abs()).simd_gt(padding).to_bitmask() as u32;
+        let certain = may & clear & (one_half & certain_here | !one_half & across);
+        let double = !one_half & outer0 & outer1;
+        hits.unsure = may & !certain;
+        let sure = certain & (outer0 ^ outer1 | double);
+        if sure == 0 {
+            return;
+        }
+        hits.sure = sure;
+        hits.above = above;
+        hits.double = sure & double;
         let within = z0.simd_ge(splat(simd, line.z[0] + 2.0 * PADDING))
             & z1.simd_le(splat(simd, line.z[1] - 2.0 * PADDING));
-        let sure = certain & roots;
-        Hits {
-            sure,
-            inside: sure & within.to_bitmask() as u32,
-            unsure: may & !certain,
-            guess: guess.into(),
-            above: above.to_bitmask() as u32,
-            double,
-            other_guess: other_guess.into(),
+        hits.inside = sure & within.to_bitmask() as u32;
+        // |X| - reach, signed, on the one half and, for those that have roots on both, on the other.
+        let sign = mask32x16::from_bitmask(simd, u64::from(above & 0xffff));
+        let sign = sign.select(splat(simd, 1.0), splat(simd, -1.0));
+        let (g0, g1) = (sign.mul_sub(x0, reach0), sign.mul_sub(x1, reach1));
+        (g0 / (g0 - g1)).store_array(&mut hits.guess);
+        if hits.double != 0 {
+            let (g0, g1) = (sign.mul_add(x0, reach0), sign.mul_add(x1, reach1));
+            (g0 / (g0 - g1)).store_array(&mut hits.other_guess);
         }
     }
 }
 
 impl Hits {
-    const NONE: Self = Self {
+    pub(super) const NONE: Self = Self {
         sure: 0,
         inside: 0,
         unsure: 0,
@@ -309,6 +329,7 @@ impl Hits {
         (self.sure & bit != 0).then(|| Roots {
             guess: self.guess[lane],
             above: self.above & bit != 0,
+            inside: self.inside & bit != 0,
             other: (self.double & bit != 0).then(|| self.other_guess[lane]),
         })
     }

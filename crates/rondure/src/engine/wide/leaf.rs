@@ -13,7 +13,10 @@
 //! the signs of F and X at the ends. [`cull`](super::cull) decides that; a step of Halley's and one of
 //! Newton's method then find the root.
 
-use super::arithmetic::{Fused, greater, lesser};
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f64x8};
+
+use super::arithmetic::{Best, Fused, greater, lesser};
 use super::cone::slope_range;
 use super::course::Course;
 use crate::numeric::gamma;
@@ -210,6 +213,141 @@ struct Expansion {
     half_bend: f64,
     x: f64,
     dx: f64,
+}
+
+/// How many roots are found at once.
+const WIDTH: usize = 8;
+
+/// The numbers that eight roots depend on, side by side.
+#[derive(Default)]
+#[repr(C, align(64))]
+struct Columns {
+    r: [[f64; WIDTH]; 4],
+    z: [[f64; WIDTH]; 4],
+    /// The denominators' coefficients.
+    q: [[f64; WIDTH]; 2],
+    /// X at z = 0, eta, kappa.
+    course: [[f64; WIDTH]; 3],
+    s: [f64; WIDTH],
+}
+
+/// Finds up to eight roots, each on a leaf, of a course, near a guess and on a half of the ray, as
+/// [`Leaf::hit`] does: the place on the piece and the ray parameter, not a number if they were not found.
+#[inline(always)]
+pub(super) fn solve<'a, S: Simd>(
+    simd: S,
+    tasks: &[(&'a Leaf, &'a Course, f32, bool)],
+    found: &mut [Place; WIDTH],
+) {
+    let mut c = Columns::default();
+    let mut conics = false;
+    for (i, (leaf, course, guess, _)) in tasks.iter().enumerate().take(WIDTH) {
+        let conic = leaf.piece_and_kind & 1 == 1;
+        conics |= conic;
+        for k in 0..3 {
+            c.r[k][i] = leaf.r[k];
+            c.z[k][i] = leaf.z[k];
+        }
+        if conic {
+            (c.q[0][i], c.q[1][i]) = (leaf.r[3], leaf.z[3]);
+        } else {
+            (c.r[3][i], c.z[3][i]) = (leaf.r[3], leaf.z[3]);
+        }
+        c.course[0][i] = course.x;
+        c.course[1][i] = course.eta;
+        c.course[2][i] = course.kappa;
+        let guess = f64::from(*guess);
+        c.s[i] = if leaf.z[0] <= leaf.end { guess } else { 1.0 - guess };
+    }
+    let roots = if conics { c.roots::<S, true>(simd) } else { c.roots::<S, false>(simd) };
+    for (i, (leaf, course, _, above)) in tasks.iter().enumerate().take(WIDTH) {
+        let inside = roots.s[i] >= -OVERSHOOT && roots.s[i] <= 1.0 + OVERSHOOT;
+        let known = inside && roots.step[i].abs() <= LAST_STEP && (roots.x[i] >= 0.0) == *above;
+        if known {
+            let s = greater(lesser(roots.s[i], 1.0), 0.0);
+            let t = course.t(roots.r[i], roots.z[i], *above);
+            found[i] = (Best(simd).fused(s, leaf.share, leaf.first), t);
+        } else {
+            found[i] = (f64::NAN, f64::NAN);
+        }
+    }
+}
+
+/// Eight roots, with the last step that led there.
+struct Solved {
+    s: [f64; WIDTH],
+    step: [f64; WIDTH],
+    x: [f64; WIDTH],
+    r: [f64; WIDTH],
+    z: [f64; WIDTH],
+}
+
+impl Columns {
+    /// A step of Halley's and two of Newton's.
+    #[inline(always)]
+    fn roots<S: Simd, const CONIC: bool>(&self, simd: S) -> Solved {
+        let load = |lanes: &[f64; WIDTH]| f64x8::from_slice(simd, lanes);
+        let two = f64x8::splat(simd, 2.0);
+        let half = f64x8::splat(simd, 0.5);
+        let mut s = load(&self.s);
+        let [value, slope, bend, _] = self.expand::<S, CONIC>(simd, s);
+        let curvature = (slope * slope) * f64x8::splat(simd, 4.0) - value * bend;
+        s = s - (two * (value * slope)) / curvature;
+        let [value, slope, ..] = self.expand::<S, CONIC>(simd, s);
+        s = s - half * value / slope;
+        let [value, slope, _, x] = self.expand::<S, CONIC>(simd, s);
+        let step = half * value / slope;
+        s = s - step;
+        let clamped = s.max(f64x8::splat(simd, 0.0)).min(f64x8::splat(simd, 1.0));
+        let mut r = cubic_of(simd, &self.r, clamped)[0];
+        let mut z = cubic_of(simd, &self.z, clamped)[0];
+        if CONIC {
+            let one = f64x8::splat(simd, 1.0);
+            let q = load(&self.q[1]).mul_add(clamped, load(&self.q[0])).mul_add(clamped, one);
+            (r, z) = (r / q, z / q);
+        }
+        Solved { s: s.into(), step: step.into(), x: x.into(), r: r.into(), z: z.into() }
+    }
+
+    /// F, half its first and half its second derivative, and X, as [`Leaf::expand`].
+    #[inline(always)]
+    fn expand<S: Simd, const CONIC: bool>(&self, simd: S, s: f64x8<S>) -> [f64x8<S>; 4] {
+        let load = |lanes: &[f64; WIDTH]| f64x8::from_slice(simd, lanes);
+        let [offset, eta, kappa] = [0, 1, 2].map(|i: usize| load(&self.course[i]));
+        let [r, dr, ddr] = cubic_of(simd, &self.r, s);
+        let [z, dz, ddz] = cubic_of(simd, &self.z, s);
+        let er = eta * r;
+        if CONIC {
+            let (b, a) = (load(&self.q[0]), load(&self.q[1]));
+            let q = a.mul_add(s, b).mul_add(s, f64x8::splat(simd, 1.0));
+            let ddq = a + a;
+            let dq = ddq.mul_add(s, b);
+            let x = offset.mul_add(q, z);
+            let (dx, ddx) = (offset.mul_add(dq, dz), offset.mul_add(ddq, ddz));
+            let kq = kappa * q;
+            let value = x * x + (kq * q - er * r);
+            let slope = x * dx + (kq * dq - er * dr);
+            let bend = (x * ddx + dx * dx) + kappa * (q * ddq + dq * dq) - eta * (r * ddr + dr * dr);
+            return [value, slope, bend, x];
+        }
+        let x = z + offset;
+        let value = x.mul_add(x, kappa - er * r);
+        let slope = x.mul_sub(dz, er * dr);
+        let bend = x.mul_add(ddz, dz * dz) - eta * r.mul_add(ddr, dr * dr);
+        [value, slope, bend, x]
+    }
+}
+
+/// Cubics with their first and second derivatives.
+#[inline(always)]
+fn cubic_of<S: Simd>(simd: S, c: &[[f64; WIDTH]; 4], s: f64x8<S>) -> [f64x8<S>; 3] {
+    let [c0, c1, c2, c3] = [0, 1, 2, 3].map(|i: usize| f64x8::from_slice(simd, &c[i]));
+    let last = c3 * s;
+    let inner = c2 + last;
+    let value = inner.mul_add(s, c1).mul_add(s, c0);
+    let slope = (inner + inner + last).mul_add(s, c1);
+    let bend = inner + last + last;
+    [value, slope, bend + bend]
 }
 
 /// A cubic with its first and second derivative; its constant coefficient is given apart.

@@ -14,6 +14,7 @@
 //! time.
 
 mod arithmetic;
+mod batch;
 mod cone;
 mod course;
 mod cull;
@@ -24,7 +25,7 @@ use fearless_simd::{Level, Simd, dispatch};
 
 use self::arithmetic::{Best, Fused};
 use self::course::{Approach, Course};
-use self::cull::{Block, Boxes, LANES, Line, Roots};
+use self::cull::{Block, Boxes, Hits, LANES, Line, Roots};
 use self::leaf::Leaf;
 use super::counters::Count;
 use crate::Ray;
@@ -37,8 +38,6 @@ use crate::surface::Hit;
 
 /// A profile of so many blocks needs no boxes over them.
 const FEW_BLOCKS: usize = 4;
-/// More levels of boxes than there can be: 16^8 blocks hold all that 32 bits can count.
-const MOST_LEVELS: usize = 8;
 
 /// Hits nearer to each other, or to an end of the ray's range, than this part of the radius come in an
 /// order that is left to the exact engine to decide: t is good to about a tenth of it.
@@ -57,8 +56,8 @@ pub(crate) struct Wide {
     blocks: Vec<Block>,
     /// One for each piece, in the order of the blocks' lanes.
     leaves: Vec<Leaf>,
-    /// Boxes over the blocks, over those boxes, and so on up to a single vector of them.
-    boxes: Vec<Vec<Boxes>>,
+    /// The boxes round the blocks, if there are more than a few.
+    boxes: Vec<Boxes>,
 }
 
 impl Wide {
@@ -80,27 +79,18 @@ impl Wide {
             blocks.push(block);
             groups.push(lanes);
         }
-        let mut boxes = Vec::new();
-        while groups.len() > if boxes.is_empty() { FEW_BLOCKS } else { 1 } {
-            let level = groups.chunks(LANES).map(|groups| {
+        let boxes = if blocks.len() <= FEW_BLOCKS {
+            Vec::new()
+        } else {
+            let vectors = groups.chunks(LANES).map(|groups| {
                 let mut vector = Boxes::EMPTY;
                 for (lane, group) in groups.iter().enumerate() {
                     vector.set(lane, group.iter().map(|part| &part.curve), unit);
                 }
                 vector
             });
-            boxes.push(level.collect());
-            // The groups lie one after the other in `parts`.
-            let mut rest = &parts[..];
-            groups = groups
-                .chunks(LANES)
-                .map(|groups| {
-                    let (joint, after) = rest.split_at(groups.iter().map(|g| g.len()).sum());
-                    rest = after;
-                    joint
-                })
-                .collect();
-        }
+            vectors.collect()
+        };
         let r_max = pieces.iter().fold(0.0_f64, |m, p| m.max(p.r[0]).max(p.r[3]));
         let reach = r_max + gamma(64) * radius;
         Self { level, unit, radius, reach2: reach * reach, blocks, leaves, boxes }
@@ -108,7 +98,7 @@ impl Wide {
 
     /// The number of vectors of boxes and pieces.
     pub(crate) fn node_count(&self) -> usize {
-        self.blocks.len() + self.boxes.iter().map(Vec::len).sum::<usize>()
+        self.blocks.len() + self.boxes.len()
     }
 
     pub(crate) fn closest(&self, pieces: &[Piece], frame: &Frame, ray: &Ray) -> Option<Hit> {
@@ -141,7 +131,7 @@ impl Wide {
             count,
             #[inline(always)]
             |line, leaf, _| {
-                let end = visit(leaf.piece());
+                let end = visit(self.leaves[leaf].piece());
                 if end < f64::INFINITY {
                     line.end_at(end);
                 }
@@ -158,7 +148,7 @@ impl Wide {
         frame: &Frame,
         ray: &Ray,
     ) -> Option<Hit> {
-        let course = match self.approach(simd, frame, ray) {
+        let course = match self.approach(frame, ray) {
             Approach::Misses => return None,
             Approach::Meets(course) => course,
             Approach::Strange => return self.closest_exactly(pieces, frame, ray),
@@ -174,6 +164,7 @@ impl Wide {
             &mut (),
             #[inline(always)]
             |line, leaf, known| {
+                let leaf = &self.leaves[leaf];
                 let mut consider = |hit: Hit| {
                     if let Some(best) = closest {
                         // Rounding must not choose between pieces.
@@ -197,7 +188,7 @@ impl Wide {
 
     #[inline(always)]
     fn any_with<S: Simd>(&self, simd: S, pieces: &[Piece], frame: &Frame, ray: &Ray) -> bool {
-        let course = match self.approach(simd, frame, ray) {
+        let course = match self.approach(frame, ray) {
             Approach::Misses => return false,
             Approach::Meets(course) => course,
             Approach::Strange => return self.closest_exactly(pieces, frame, ray).is_some(),
@@ -212,6 +203,7 @@ impl Wide {
             &mut (),
             #[inline(always)]
             |_, leaf, known| {
+                let leaf = &self.leaves[leaf];
                 if !range.hits(Best(simd), leaf, &course, known, |_, _| found = true) {
                     found |= !self.exact_hits(pieces, frame, ray, leaf.piece()).is_empty();
                 }
@@ -230,7 +222,7 @@ impl Wide {
         ray: &Ray,
         hits: &mut Vec<Hit>,
     ) {
-        let course = match self.approach(simd, frame, ray) {
+        let course = match self.approach(frame, ray) {
             Approach::Misses => return,
             Approach::Meets(course) => course,
             Approach::Strange => return self.all_exactly(pieces, frame, ray, hits),
@@ -245,6 +237,7 @@ impl Wide {
             &mut (),
             #[inline(always)]
             |_, leaf, known| {
+                let leaf = &self.leaves[leaf];
                 let piece = leaf.piece();
                 let report = |s, t| hits.push(Hit { t, piece, s });
                 doubt = !range.hits(Best(simd), leaf, &course, known, report);
@@ -258,8 +251,8 @@ impl Wide {
     }
 
     #[inline(always)]
-    fn approach<S: Simd>(&self, simd: S, frame: &Frame, ray: &Ray) -> Approach {
-        Course::new(Best(simd), frame, ray, self.radius, self.reach2)
+    fn approach(&self, frame: &Frame, ray: &Ray) -> Approach {
+        Course::new(frame, ray, self.radius, self.reach2)
     }
 
     /// The hits on one piece as the exact engine finds them.
@@ -325,56 +318,54 @@ impl Wide {
         mut line: Line,
         any: bool,
         count: &mut C,
-        mut visit: impl FnMut(&mut Line, &Leaf, Option<Roots>) -> bool,
+        mut visit: impl FnMut(&mut Line, usize, Option<Roots>) -> bool,
     ) -> bool {
         let rises = line.rises();
-        let mut stack = ArrayVec::<(usize, usize, u32), MOST_LEVELS>::new();
-        // The vector of children at hand: its level, 0 for blocks; its index; those still to visit.
-        let (mut level, mut vector) = (self.boxes.len(), 0);
-        let mut mask = match self.boxes.last() {
-            Some(top) => {
-                count.test();
-                top[0].test(simd, &line)
-            }
-            None => (1 << self.blocks.len()) - 1,
-        };
-        loop {
-            let Some(lane) = take(&mut mask, rises) else {
-                let Some(above) = stack.pop() else { return false };
-                (level, vector, mask) = above;
-                continue;
-            };
-            count.positive();
-            count.test();
-            let child = vector * LANES + lane;
-            if level > 1 {
-                stack.push((level, vector, mask));
-                (level, vector) = (level - 1, child);
-                mask = self.boxes[level - 1][child].test(simd, &line);
-                continue;
-            }
-            count.enter();
-            let hits = self.blocks[child].test(simd, &line);
-            if hits.inside != 0 && any {
-                return true;
-            }
-            let mut lanes = hits.sure | hits.unsure;
-            while let Some(lane) = take(&mut lanes, rises) {
-                let leaf = &self.leaves[child * LANES + lane];
-                count.positive();
-                if line.ends_before(leaf.heights()) {
-                    continue;
+        let mut hits = Hits::NONE;
+        let few = self.boxes.is_empty();
+        // So many blocks that the boxes round them fill a mask.
+        const MANY: usize = 4 * LANES;
+        let chunks = self.blocks.len().div_ceil(MANY);
+        for chunk in 0..chunks {
+            let first = MANY * if rises { chunk } else { chunks - 1 - chunk };
+            let mut waiting = 0;
+            if few {
+                waiting = (1_u64 << self.blocks.len()) - 1;
+            } else {
+                let last = self.boxes.len().min((first + MANY) / LANES);
+                for (i, boxes) in self.boxes[first / LANES..last].iter().enumerate() {
+                    count.test();
+                    waiting |= u64::from(boxes.test(simd, &line)) << (i * LANES);
                 }
-                count.solve();
-                if !visit(&mut line, leaf, hits.roots(lane)) {
-                    return false;
+            }
+            while let Some(block) = take(&mut waiting, rises) {
+                count.enter();
+                count.test();
+                let block = first + block;
+                self.blocks[block].test(simd, &line, &mut hits);
+                if any && hits.sure & hits.inside != 0 {
+                    return true;
+                }
+                let mut lanes = u64::from(hits.sure | hits.unsure);
+                while let Some(lane) = take(&mut lanes, rises) {
+                    let leaf = block * LANES + lane;
+                    count.positive();
+                    if line.ends_before(self.leaves[leaf].heights()) {
+                        continue;
+                    }
+                    count.solve();
+                    if !visit(&mut line, leaf, hits.roots(lane)) {
+                        return false;
+                    }
                 }
             }
         }
+        false
     }
 }
 
 /// Between which parameters hits count.
+#[derive(Clone, Copy)]
 struct Range {
     /// In the course's own parameter.
     of_course: [f64; 2],
@@ -433,7 +424,7 @@ impl Range {
         known: Option<Roots>,
         mut report: impl FnMut(f64, f64),
     ) -> bool {
-        let Some(Roots { guess, above, other }) = known else { return false };
+        let Some(Roots { guess, above, other, .. }) = known else { return false };
         match self.find(fma, leaf, course, guess, above) {
             Finding::Unknown => return false,
             Finding::Hit((s, t)) => report(s, t),
@@ -479,12 +470,12 @@ type Few = ArrayVec<Hit, MOST_HITS>;
 
 /// Takes the lowest bit of a set, or the highest.
 #[inline(always)]
-fn take(mask: &mut u32, lowest: bool) -> Option<usize> {
+fn take(mask: &mut u64, lowest: bool) -> Option<usize> {
     if *mask == 0 {
         return None;
     }
-    let bit = if lowest { mask.trailing_zeros() } else { 31 - mask.leading_zeros() };
-    *mask &= !(1 << bit);
+    let bit = if lowest { mask.trailing_zeros() } else { 63 - mask.leading_zeros() };
+    *mask ^= 1 << bit;
     Some(bit as usize)
 }
 

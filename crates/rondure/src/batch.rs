@@ -1,0 +1,92 @@
+//! Many rays at once, as structures of arrays.
+
+use crate::{Hit, Ray, Vec3};
+
+/// Rays, each coordinate in a slice of its own; all slices are of the same length.
+#[derive(Clone, Copy, Debug)]
+pub struct Rays<'a> {
+    pub(crate) origin: [&'a [f64]; 3],
+    pub(crate) direction: [&'a [f64]; 3],
+    pub(crate) range: [&'a [f64]; 2],
+}
+
+impl<'a> Rays<'a> {
+    /// Rays from the coordinates of their origins and directions and the ends t_min and t_max of their
+    /// ranges; `None` if the slices differ in length.
+    pub fn new(
+        origin: [&'a [f64]; 3],
+        direction: [&'a [f64]; 3],
+        t_min: &'a [f64],
+        t_max: &'a [f64],
+    ) -> Option<Self> {
+        let slices = origin.iter().chain(&direction).chain([&t_min, &t_max]);
+        let mut lengths = slices.map(|s| s.len());
+        let len = t_min.len();
+        lengths.all(|l| l == len).then_some(Self { origin, direction, range: [t_min, t_max] })
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.range[0].len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// One of them.
+    ///
+    /// # Panics
+    ///
+    /// If there are no more than `index`.
+    #[inline(always)]
+    pub fn get(&self, index: usize) -> Ray {
+        let at = |c: [&[f64]; 3]| Vec3::new(c[0][index], c[1][index], c[2][index]);
+        Ray {
+            origin: at(self.origin),
+            direction: at(self.direction),
+            t_min: self.range[0][index],
+            t_max: self.range[1][index],
+        }
+    }
+}
+
+/// The closest hits of many rays: t, piece and s as in [`Hit`], each in a slice of its own. Where a ray
+/// hits nothing t is infinite.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Hits {
+    /// The ray parameters.
+    pub t: Vec<f64>,
+    /// The pieces.
+    pub piece: Vec<u32>,
+    /// The parameters on them.
+    pub s: Vec<f64>,
+}
+
+impl Hits {
+    /// The hit of one ray.
+    ///
+    /// # Panics
+    ///
+    /// If there are no more than `index`.
+    pub fn get(&self, index: usize) -> Option<Hit> {
+        let hit = Hit { t: self.t[index], piece: self.piece[index], s: self.s[index] };
+        (hit.t < f64::INFINITY).then_some(hit)
+    }
+
+    pub(crate) fn clear(&mut self, len: usize) {
+        self.t.clear();
+        self.t.resize(len, f64::INFINITY);
+        self.piece.clear();
+        self.piece.resize(len, 0);
+        self.s.clear();
+        self.s.resize(len, 0.0);
+    }
+
+    pub(crate) fn set(&mut self, index: usize, hit: Option<Hit>) {
+        if let Some(hit) = hit {
+            (self.t[index], self.piece[index], self.s[index]) = (hit.t, hit.piece, hit.s);
+        }
+    }
+}
