@@ -1,0 +1,480 @@
+//! Holding one engine's answers to those of the exact engine, hit by hit.
+//!
+//! The same hit is on the same piece with |dt| |d| <= 1e-12 R ([`SAME`]), beside what t itself is rounded by
+//! ([`last_places`]). Everything else is either explained by rounding, and counted as such, or a
+//! disagreement:
+//!
+//! * *grazing*: rounding moves the ray by [`moved`], hence the hit by that over the sine of
+//!   the incidence, in each of the two engines;
+//! * *tangent*: hits that one engine has and the other has not, on a ray within [`moved`] of touching only,
+//!   or within [`TANGENCY_BAND`] as the exact oracle says, beside whose touching place they lie;
+//! * *joint*: a hit on another piece, at the joint that both pieces have in common;
+//! * *end*: a hit at an end of the ray's range, to within what it may be off;
+//! * *tie*: closest hits of two parts of the surface, nearer to each other than they may be off, of which each
+//!   engine takes another.
+
+use core::cell::OnceCell;
+
+use rondure::{Hit, Ray, Surface, Vec3, numeric::UNIT_ROUNDOFF};
+
+use crate::{
+    Oracle, OracleHit,
+    compare::{BACKWARD_ROUNDOFFS, TANGENCY_BAND, allowed, length},
+};
+
+/// Hits no farther apart, as a share of the surface's radius, are the same.
+pub const SAME: f64 = 1e-12;
+
+/// An engine need not move the origin of a ray that is no more than so many radii away; from there the
+/// coordinates are rounded.
+const NEARBY: f64 = 16.0;
+
+/// A hit that is lost or found by moving its ray by [`TANGENCY_BAND`] of the size has no larger sine, where the
+/// profile's radius of curvature is above 1e-4 of the size: a chord of half-length l and height h = l^2 / (2 rho)
+/// has the sine l / rho = sqrt(2 h / rho).
+const TOUCHING_SINE: f64 = 1.5e-4;
+/// Or else it is so near to the end of a piece, as a share of the radius.
+const TOUCHING_JOINT: f64 = 1e-6;
+
+/// How many failures are kept in words.
+const WORDS: usize = 6;
+
+/// The rounding of t as a length: of the result, and of the shift that is part of it, in both engines.
+fn last_places(t: f64, speed: f64) -> f64 {
+    4.0 * UNIT_ROUNDOFF * (t * speed).abs()
+}
+
+/// What came of many rays. All counts are of rays but `hits`, `grazing` and `joint`.
+#[derive(Clone, Debug, Default)]
+pub struct Count {
+    /// Rays compared.
+    pub rays: u64,
+    /// Hits of the exact engine.
+    pub hits: u64,
+    /// Rays with a hit that only the exact engine has.
+    pub lost: u64,
+    /// Rays with a hit that only the other engine has.
+    pub extra: u64,
+    /// Rays with a hit on another piece, or with a hit farther off than rounding explains.
+    pub other: u64,
+    /// Rays for which the engine's answers contradict each other: not in order, not in the range,
+    /// or an odd number of hits of a line with a solid.
+    pub inconsistent: u64,
+    /// The largest |dt| |d| / R of all that are the same, last places of t left out.
+    pub worst: f64,
+    /// Hits that are the same by the bound on grazing rays only.
+    pub grazing: u64,
+    /// The largest |dt| |d| / R among those, and the largest sine of the incidence.
+    pub grazing_worst: [f64; 2],
+    /// Rays that touch, to within rounding.
+    pub tangent: u64,
+    /// The largest distance of such a ray from a tangency, as a share of the size.
+    pub tangent_worst: f64,
+    /// Hits given to the other piece at a joint.
+    pub joint: u64,
+    /// Rays with a hit at an end of the range.
+    pub end: u64,
+    /// Rays with another closest hit, as near as rounding can tell.
+    pub tie: u64,
+    /// The first few disagreements, in words.
+    pub failures: Vec<String>,
+}
+
+impl Count {
+    /// Whether there was no disagreement.
+    pub fn is_clean(&self) -> bool {
+        self.lost + self.extra + self.other + self.inconsistent == 0
+    }
+
+    /// Adds the counts of further rays.
+    pub fn add(&mut self, more: Self) {
+        for (own, more) in [
+            (&mut self.rays, more.rays),
+            (&mut self.hits, more.hits),
+            (&mut self.lost, more.lost),
+            (&mut self.extra, more.extra),
+            (&mut self.other, more.other),
+            (&mut self.inconsistent, more.inconsistent),
+            (&mut self.grazing, more.grazing),
+            (&mut self.tangent, more.tangent),
+            (&mut self.joint, more.joint),
+            (&mut self.end, more.end),
+            (&mut self.tie, more.tie),
+        ] {
+            *own += more;
+        }
+        self.worst = self.worst.max(more.worst);
+        self.tangent_worst = self.tangent_worst.max(more.tangent_worst);
+        for (own, more) in self.grazing_worst.iter_mut().zip(more.grazing_worst) {
+            *own = own.max(more);
+        }
+        let room = WORDS - self.failures.len().min(WORDS);
+        self.failures.extend(more.failures.into_iter().take(room));
+    }
+}
+
+/// One engine's answers for one ray.
+#[derive(Clone, Copy, Debug)]
+pub struct Answers<'a> {
+    /// All hits in the range, in order.
+    pub all: &'a [Hit],
+    /// The first.
+    pub closest: Option<Hit>,
+    /// Whether there is any.
+    pub any: bool,
+}
+
+/// Who knows the truth about a shape.
+#[derive(Debug)]
+pub struct Judge<'a> {
+    exact: &'a Surface,
+    oracle: &'a Oracle,
+    ends: Vec<[rondure::Point; 2]>,
+    solid: bool,
+    center: Vec3,
+    radius: f64,
+}
+
+/// How two hits compare.
+enum Same {
+    /// Their distance as a share of R.
+    Near(f64),
+    /// The same, and the sine of the incidence.
+    Grazing(f64, f64),
+    No,
+}
+
+/// What explains that only one engine has a hit.
+#[derive(Clone, Copy, PartialEq)]
+enum Reason {
+    End,
+    Tangent(f64),
+    None,
+}
+
+/// What is found out about one ray.
+#[derive(Default)]
+struct Findings {
+    lost: bool,
+    extra: bool,
+    other: bool,
+    inconsistent: bool,
+    end: bool,
+    tie: bool,
+    tangent: Option<f64>,
+}
+
+/// A ray, with what the oracle says of it once it has been asked.
+struct Case<'a> {
+    judge: &'a Judge<'a>,
+    ray: &'a Ray,
+    speed: f64,
+    moved: f64,
+    hits: OnceCell<Vec<OracleHit>>,
+    tangency: OnceCell<f64>,
+}
+
+impl<'a> Judge<'a> {
+    /// A judge for the shape of a surface, which must be that of the exact engine.
+    pub fn new(exact: &'a Surface, oracle: &'a Oracle, center: Vec3, radius: f64) -> Self {
+        let solid = exact.profile().bounds_solid();
+        Self { exact, oracle, ends: exact.piece_ends().collect(), solid, center, radius }
+    }
+
+    /// Compares the answers of an engine with those of the exact one.
+    pub fn compare(&self, ray: &Ray, exact: Answers<'_>, found: Answers<'_>, count: &mut Count) {
+        count.rays += 1;
+        count.hits += exact.all.len() as u64;
+        let distance = length(ray.origin - self.center);
+        let case = Case {
+            judge: self,
+            ray,
+            speed: length(ray.direction),
+            moved: UNIT_ROUNDOFF
+                * (BACKWARD_ROUNDOFFS * self.radius + 4.0 * distance.min(NEARBY * self.radius)),
+            hits: OnceCell::new(),
+            tangency: OnceCell::new(),
+        };
+        let mut findings = Findings::default();
+        self.check_order(ray, found.all, &mut findings);
+        case.compare_all(exact.all, found.all, count, &mut findings);
+        case.compare_closest(exact, found, count, &mut findings);
+        case.compare_any(exact, found, &mut findings);
+        let Findings { lost, extra, other, inconsistent, end, tie, tangent } = findings;
+        count.lost += u64::from(lost);
+        count.extra += u64::from(extra);
+        count.other += u64::from(other);
+        count.inconsistent += u64::from(inconsistent);
+        count.end += u64::from(end);
+        count.tie += u64::from(tie);
+        if let Some(distance) = tangent {
+            count.tangent += 1;
+            count.tangent_worst = count.tangent_worst.max(distance);
+        }
+        if (lost || extra || other || inconsistent) && count.failures.len() < WORDS {
+            let words = [
+                (lost, "lost"),
+                (extra, "extra"),
+                (other, "other"),
+                (inconsistent, "contradiction"),
+            ];
+            let words: Vec<_> = words.iter().filter(|w| w.0).map(|w| w.1).collect();
+            count.failures.push(case.describe(&words.join(", "), exact, found));
+        }
+    }
+
+    fn check_order(&self, ray: &Ray, all: &[Hit], findings: &mut Findings) {
+        let sorted = all.windows(2).all(|w| w[0].t <= w[1].t);
+        let inside = all.iter().all(|h| ray.t_min <= h.t && h.t <= ray.t_max);
+        let whole = ray.t_min == f64::NEG_INFINITY && ray.t_max == f64::INFINITY;
+        let odd = whole && self.solid && all.len() % 2 == 1;
+        findings.inconsistent |= !sorted || !inside || odd;
+    }
+}
+
+impl Case<'_> {
+    fn oracle_hits(&self) -> &[OracleHit] {
+        self.hits.get_or_init(|| self.judge.oracle.hits(self.ray))
+    }
+
+    fn tangency(&self) -> f64 {
+        *self.tangency.get_or_init(|| self.judge.oracle.tangency(self.ray))
+    }
+
+    /// The sine of the angle between the ray and the surface at a hit.
+    fn sine(&self, hit: &Hit) -> f64 {
+        let normal = self.judge.exact.interaction(self.ray, hit).normal;
+        let d = self.ray.direction;
+        let unit = d * d.max_abs().recip();
+        (normal.dot(unit) / unit.length()).abs()
+    }
+
+    fn distance(&self, a: &Hit, b: &Hit) -> f64 {
+        if a.t == b.t { 0.0 } else { (a.t - b.t).abs() * self.speed }
+    }
+
+    /// How far each engine may be off along the ray, by incidence; as a length.
+    fn slack(&self, hit: &Hit) -> f64 {
+        let plain = SAME * self.judge.radius;
+        plain.max(self.moved / self.sine(hit).max(UNIT_ROUNDOFF)) + last_places(hit.t, self.speed)
+    }
+
+    /// Whether two hits, whatever their pieces, lie as near to each other as the same one would.
+    fn same(&self, a: &Hit, b: &Hit) -> Same {
+        let radius = self.judge.radius;
+        let rounding = last_places(a.t, self.speed);
+        let distance = (self.distance(a, b) - rounding).max(0.0);
+        if distance <= SAME * radius {
+            return Same::Near(distance / radius);
+        }
+        // At a tangency the incidence itself moves; the smaller one is a bound for both.
+        let sine = self.sine(a).min(self.sine(b)).max(UNIT_ROUNDOFF);
+        if distance <= 2.0 * self.moved / sine {
+            return Same::Grazing(distance / radius, sine);
+        }
+        let (size, reach) = (self.judge.oracle.size(), self.moved / (4.0 * UNIT_ROUNDOFF));
+        let right = |hit: &Hit, true_one: &OracleHit| {
+            let error = true_one.t.distance(hit.t).abs() * self.speed;
+            error <= allowed(true_one, self.speed, size, reach) + rounding
+        };
+        let agreed = self.oracle_hits().iter().find(|h| right(a, h) && right(b, h));
+        match agreed {
+            Some(h) => Same::Grazing(distance / radius, h.incidence.min(h.joint_incidence)),
+            None => Same::No,
+        }
+    }
+
+    /// The distance of a hit, in the half plane, from the nearer end of its piece.
+    fn joint_distance(&self, hit: &Hit) -> f64 {
+        let p = self.judge.exact.interaction(self.ray, hit).point;
+        let r = p.x.hypot(p.y);
+        let ends = self.judge.ends[hit.piece as usize];
+        ends.iter().map(|e| (e.r - r).hypot(e.z - p.z)).fold(f64::INFINITY, f64::min)
+    }
+
+    fn at_joint(&self, hit: &Hit) -> bool {
+        self.joint_distance(hit) <= self.slack(hit)
+    }
+
+    fn compare_all(
+        &self,
+        exact: &[Hit],
+        found: &[Hit],
+        count: &mut Count,
+        findings: &mut Findings,
+    ) {
+        let radius = self.judge.radius;
+        if exact.len() == found.len() {
+            let mut worst = 0.0_f64;
+            let mut same = true;
+            for (a, b) in exact.iter().zip(found) {
+                let error = (self.distance(a, b) - last_places(a.t, self.speed)).max(0.0) / radius;
+                same &= a.piece == b.piece && error <= SAME;
+                worst = worst.max(error);
+            }
+            if same {
+                count.worst = count.worst.max(worst);
+                return;
+            }
+        }
+        let mut rest = found.to_vec();
+        let mut unmatched = Vec::new();
+        for a in exact {
+            let mut matches = |same_piece: bool| {
+                let place = (0..rest.len()).find(|&i| {
+                    if (rest[i].piece == a.piece) != same_piece {
+                        return false;
+                    }
+                    match self.same(a, &rest[i]) {
+                        Same::No => false,
+                        Same::Near(distance) => {
+                            count.worst = count.worst.max(distance);
+                            true
+                        }
+                        Same::Grazing(distance, sine) => {
+                            count.grazing += 1;
+                            let [d, s] = count.grazing_worst;
+                            count.grazing_worst = [d.max(distance), s.max(sine)];
+                            true
+                        }
+                    }
+                });
+                place.map(|i| rest.remove(i))
+            };
+            if matches(true).is_none() {
+                unmatched.push(*a);
+            }
+        }
+        // What is left may be the same hit on another piece.
+        let mut missing = Vec::new();
+        for a in unmatched {
+            let place = rest.iter().position(|b| !matches!(self.same(&a, b), Same::No));
+            match place.map(|i| rest.remove(i)) {
+                Some(b) if self.at_joint(&a) && self.at_joint(&b) => count.joint += 1,
+                Some(_) => findings.other = true,
+                None => missing.push(a),
+            }
+        }
+        self.explain(&missing, |findings| &mut findings.lost, findings);
+        self.explain(&rest, |findings| &mut findings.extra, findings);
+    }
+
+    /// Explains why only one engine has these hits, or blames it.
+    fn explain(
+        &self,
+        hits: &[Hit],
+        blame: impl Fn(&mut Findings) -> &mut bool,
+        findings: &mut Findings,
+    ) {
+        if let [a, b] = hits {
+            // Between them the ray is beyond the surface by less than the chord times the sine.
+            let depth = self.distance(a, b) * self.sine(a).max(self.sine(b));
+            if depth <= self.moved {
+                let depth = depth / self.judge.oracle.size();
+                findings.tangent = Some(findings.tangent.map_or(depth, |t| t.max(depth)));
+                return;
+            }
+        }
+        for hit in hits {
+            match self.reason(hit) {
+                Reason::End => findings.end = true,
+                Reason::Tangent(distance) => {
+                    findings.tangent = Some(findings.tangent.map_or(distance, |t| t.max(distance)));
+                }
+                Reason::None => *blame(findings) = true,
+            }
+        }
+    }
+
+    fn reason(&self, hit: &Hit) -> Reason {
+        let slack = self.slack(hit);
+        let ends = [self.ray.t_min, self.ray.t_max];
+        if ends.iter().any(|&end| (hit.t - end).abs() * self.speed <= slack || hit.t == end) {
+            return Reason::End;
+        }
+        let touches = self.sine(hit) <= TOUCHING_SINE
+            || self.joint_distance(hit) <= TOUCHING_JOINT * self.judge.radius;
+        if touches && self.tangency() <= TANGENCY_BAND {
+            return Reason::Tangent(self.tangency());
+        }
+        Reason::None
+    }
+
+    fn compare_closest(
+        &self,
+        exact: Answers<'_>,
+        found: Answers<'_>,
+        count: &mut Count,
+        findings: &mut Findings,
+    ) {
+        let (a, b) = match (exact.closest, found.closest) {
+            (None, None) => return,
+            (Some(a), Some(b)) => (a, b),
+            (Some(a), None) => return self.explain(&[a], |f| &mut f.lost, findings),
+            (None, Some(b)) => return self.explain(&[b], |f| &mut f.extra, findings),
+        };
+        if !(self.ray.t_min <= b.t && b.t <= self.ray.t_max) {
+            findings.inconsistent = true;
+        }
+        match self.same(&a, &b) {
+            Same::Near(distance) if a.piece == b.piece => {
+                count.worst = count.worst.max(distance);
+            }
+            Same::Grazing(distance, sine) if a.piece == b.piece => {
+                count.grazing += 1;
+                let [d, s] = count.grazing_worst;
+                count.grazing_worst = [d.max(distance), s.max(sine)];
+            }
+            Same::Near(_) | Same::Grazing(..) => {
+                let known = |hit: &Hit, all: &[Hit]| {
+                    all.iter()
+                        .any(|h| h.piece == hit.piece && !matches!(self.same(h, hit), Same::No))
+                };
+                if known(&b, exact.all) {
+                    findings.tie = true;
+                } else if self.at_joint(&a) && self.at_joint(&b) {
+                    count.joint += 1;
+                } else {
+                    findings.other = true;
+                }
+            }
+            Same::No if a.t < b.t => self.explain(&[a], |f| &mut f.lost, findings),
+            Same::No => self.explain(&[b], |f| &mut f.extra, findings),
+        }
+    }
+
+    fn compare_any(&self, exact: Answers<'_>, found: Answers<'_>, findings: &mut Findings) {
+        if exact.any == found.any {
+            return;
+        }
+        // Each of the hits that one engine must have and the other must not have needs its reason.
+        if exact.any {
+            self.explain(exact.all, |f| &mut f.lost, findings);
+        } else if found.all.is_empty() {
+            findings.inconsistent |= self.tangency() > TANGENCY_BAND;
+            findings.tangent.get_or_insert(self.tangency());
+        } else {
+            self.explain(found.all, |f| &mut f.extra, findings);
+        }
+    }
+
+    fn describe(&self, word: &str, exact: Answers<'_>, found: Answers<'_>) -> String {
+        let oracle: Vec<_> = self
+            .oracle_hits()
+            .iter()
+            .map(|h| {
+                format!(
+                    "[t = {:e}, incidence {:.1e}, {:.1e} from a joint]",
+                    h.t.hi, h.incidence, h.joint_distance
+                )
+            })
+            .collect();
+        format!(
+            "{word}: {:?}, {:.1e} from a tangency\n  exact {exact:?}\n  found {found:?}\n  oracle, \
+             whole line: {}",
+            self.ray,
+            self.tangency(),
+            oracle.join(" ")
+        )
+    }
+}
