@@ -3,7 +3,7 @@
 use std::{fs, path::Path, process::ExitCode, thread, time::Instant};
 
 use rondure::{Profile, engine::Instructions};
-use rondure_oracle::agree::{Amount, Count, Shape, compare, shapes, wide};
+use rondure_oracle::agree::{Amount, Count, Failure, Shape, compare, shapes, wide};
 
 const USAGE: &str = "usage: rondure-oracle agree [--rays N] [--adversarial N] [--profiles LIST]
                             [--instructions NAME] [--seed S] [--threads N]
@@ -119,8 +119,8 @@ fn agree(options: &Options) -> ExitCode {
         let counts = compare(shape, &entrants, &options.amount);
         for (entrant, count) in entrants.iter().zip(counts) {
             print_row(&shape.name, entrant.name, &count);
-            for failure in &count.failures {
-                println!("- {failure}");
+            for Failure { kind, words } in &count.failures {
+                println!("- {kind}: {words}");
             }
             sum.add(count);
         }

@@ -1,7 +1,7 @@
 //! The wide engine finds what the exact one finds, with every instruction set: the command `agree` in small.
 
 use rondure::engine::Instructions;
-use rondure_oracle::agree::{Amount, compare, shapes, wide};
+use rondure_oracle::agree::{Amount, Failure, compare, shapes, wide};
 
 #[test]
 fn wide_agrees_with_exact() -> Result<(), rondure::ProfileError> {
@@ -16,8 +16,10 @@ fn wide_agrees_with_exact() -> Result<(), rondure::ProfileError> {
             assert_eq!(count.rays, amount.random + amount.adversarial);
             assert!(count.hits > 0, "{}: nothing was hit", shape.name);
             if !count.is_clean() {
-                let first = count.failures.first().cloned().unwrap_or_default();
-                failures.push(format!("{} {}: {first}", shape.name, entrant.name));
+                for failure in &count.failures {
+                    let Failure { kind, words } = failure;
+                    failures.push(format!("{} {}, {kind}: {words}", shape.name, entrant.name));
+                }
             }
         }
     }

@@ -36,8 +36,8 @@ const TOUCHING_SINE: f64 = 1.5e-4;
 /// Or else it is so near to the end of a piece, as a share of the radius.
 const TOUCHING_JOINT: f64 = 1e-6;
 
-/// How many failures are kept in words.
-const WORDS: usize = 6;
+/// How many failures of a kind are kept in words.
+const WORDS: usize = 3;
 
 /// The rounding of t as a length: of the result, and of the shift that is part of it, in both engines.
 fn last_places(t: f64, speed: f64) -> f64 {
@@ -57,8 +57,8 @@ pub struct Count {
     pub extra: u64,
     /// Rays with a hit on another piece, or with a hit farther off than rounding explains.
     pub other: u64,
-    /// Rays for which the engine's answers contradict each other: not in order, not in the range,
-    /// or an odd number of hits of a line with a solid.
+    /// Rays for which the engine's answers are wrong in themselves: not in order, not in the range, an odd
+    /// number of hits of a line with a solid, or `any` without a hit.
     pub inconsistent: u64,
     /// The largest |dt| |d| / R of all that are the same, last places of t left out.
     pub worst: f64,
@@ -76,8 +76,29 @@ pub struct Count {
     pub end: u64,
     /// Rays with another closest hit, as near as rounding can tell.
     pub tie: u64,
-    /// The first few disagreements, in words.
-    pub failures: Vec<String>,
+    /// The first few disagreements of each kind.
+    pub failures: Vec<Failure>,
+}
+
+/// A disagreement.
+#[derive(Clone, Debug)]
+pub struct Failure {
+    /// Of what kind or kinds.
+    pub kind: String,
+    /// The ray and all answers.
+    pub words: String,
+}
+
+fn keep(failures: &mut Vec<Failure>, more: impl IntoIterator<Item = Failure>) {
+    for failure in more {
+        if has_room(failures, &failure.kind) {
+            failures.push(failure);
+        }
+    }
+}
+
+fn has_room(failures: &[Failure], kind: &str) -> bool {
+    failures.iter().filter(|f| f.kind == kind).count() < WORDS
 }
 
 impl Count {
@@ -108,8 +129,7 @@ impl Count {
         for (own, more) in self.grazing_worst.iter_mut().zip(more.grazing_worst) {
             *own = own.max(more);
         }
-        let room = WORDS - self.failures.len().min(WORDS);
-        self.failures.extend(more.failures.into_iter().take(room));
+        keep(&mut self.failures, more.failures);
     }
 }
 
@@ -158,7 +178,10 @@ struct Findings {
     lost: bool,
     extra: bool,
     other: bool,
-    inconsistent: bool,
+    unordered: bool,
+    outside: bool,
+    odd: bool,
+    any: bool,
     end: bool,
     tie: bool,
     tangent: Option<f64>,
@@ -200,26 +223,32 @@ impl<'a> Judge<'a> {
         case.compare_all(exact.all, found.all, count, &mut findings);
         case.compare_closest(exact, found, count, &mut findings);
         case.compare_any(exact, found, &mut findings);
-        let Findings { lost, extra, other, inconsistent, end, tie, tangent } = findings;
+        let Findings { lost, extra, other, unordered, outside, odd, any, end, tie, tangent } =
+            findings;
         count.lost += u64::from(lost);
         count.extra += u64::from(extra);
         count.other += u64::from(other);
-        count.inconsistent += u64::from(inconsistent);
+        count.inconsistent += u64::from(unordered || outside || odd || any);
         count.end += u64::from(end);
         count.tie += u64::from(tie);
         if let Some(distance) = tangent {
             count.tangent += 1;
             count.tangent_worst = count.tangent_worst.max(distance);
         }
-        if (lost || extra || other || inconsistent) && count.failures.len() < WORDS {
-            let words = [
-                (lost, "lost"),
-                (extra, "extra"),
-                (other, "other"),
-                (inconsistent, "contradiction"),
-            ];
-            let words: Vec<_> = words.iter().filter(|w| w.0).map(|w| w.1).collect();
-            count.failures.push(case.describe(&words.join(", "), exact, found));
+        let kinds = [
+            (lost, "lost"),
+            (extra, "extra"),
+            (other, "other"),
+            (unordered, "out of order"),
+            (outside, "out of range"),
+            (odd, "odd"),
+            (any, "any alone"),
+        ];
+        let kinds: Vec<_> = kinds.iter().filter(|(is, _)| *is).map(|(_, kind)| *kind).collect();
+        let kind = kinds.join(", ");
+        if !kind.is_empty() && has_room(&count.failures, &kind) {
+            let words = case.describe(exact, found);
+            count.failures.push(Failure { kind, words });
         }
     }
 
@@ -228,7 +257,9 @@ impl<'a> Judge<'a> {
         let inside = all.iter().all(|h| ray.t_min <= h.t && h.t <= ray.t_max);
         let whole = ray.t_min == f64::NEG_INFINITY && ray.t_max == f64::INFINITY;
         let odd = whole && self.solid && all.len() % 2 == 1;
-        findings.inconsistent |= !sorted || !inside || odd;
+        findings.unordered |= !sorted;
+        findings.outside |= !inside;
+        findings.odd |= odd;
     }
 }
 
@@ -414,7 +445,7 @@ impl Case<'_> {
             (None, Some(b)) => return self.explain(&[b], |f| &mut f.extra, findings),
         };
         if !(self.ray.t_min <= b.t && b.t <= self.ray.t_max) {
-            findings.inconsistent = true;
+            findings.outside = true;
         }
         match self.same(&a, &b) {
             Same::Near(distance) if a.piece == b.piece => {
@@ -451,14 +482,18 @@ impl Case<'_> {
         if exact.any {
             self.explain(exact.all, |f| &mut f.lost, findings);
         } else if found.all.is_empty() {
-            findings.inconsistent |= self.tangency() > TANGENCY_BAND;
-            findings.tangent.get_or_insert(self.tangency());
+            // Its `any` alone claims a hit, which may be one that another engine's `all` loses at a tangency.
+            if self.tangency() <= TANGENCY_BAND {
+                findings.tangent.get_or_insert(self.tangency());
+            } else {
+                findings.any = true;
+            }
         } else {
             self.explain(found.all, |f| &mut f.extra, findings);
         }
     }
 
-    fn describe(&self, word: &str, exact: Answers<'_>, found: Answers<'_>) -> String {
+    fn describe(&self, exact: Answers<'_>, found: Answers<'_>) -> String {
         let oracle: Vec<_> = self
             .oracle_hits()
             .iter()
@@ -470,7 +505,7 @@ impl Case<'_> {
             })
             .collect();
         format!(
-            "{word}: {:?}, {:.1e} from a tangency\n  exact {exact:?}\n  found {found:?}\n  oracle, \
+            "{:?}, {:.1e} from a tangency\n  exact {exact:?}\n  found {found:?}\n  oracle, \
              whole line: {}",
             self.ray,
             self.tangency(),

@@ -16,7 +16,7 @@ use std::thread;
 
 use rondure::{EngineOptions, Hit, Method, Ray, Surface, engine::Instructions};
 
-pub use judge::{Answers, Count, Judge, SAME};
+pub use judge::{Answers, Count, Failure, Judge, SAME};
 pub use rays::{ADVERSARIAL_KINDS, RANDOM_KINDS, Scene};
 pub use shapes::{Shape, shapes};
 
