@@ -11,7 +11,8 @@ Holds the wide engine to the exact one on N random (1e7) and N adversarial (1e6)
 instruction set.
   --profiles      names of shapes or files of path data, with commas between them; all shapes unless told
   --instructions  portable, avx2, avx512 or all (the default)
-lost, extra, other, contr. are disagreements, counted in rays; the exit status is 1 if there are any.
+lost, extra, other (another piece), off (farther off than rounding explains, and how far), wrong (out of
+order, out of range, odd) are disagreements, counted in rays; the exit status is 1 if there are any.
 worst is the largest |dt| over the radius, the last places of t itself left out. The rest is explained by
 rounding: graze, hits within the rounding bound of their incidence only, with the largest |dt| over the
 radius and sine of the incidence; tangent, rays that all but touch, with the largest distance from touching
@@ -93,7 +94,7 @@ fn agree(options: &Options) -> ExitCode {
         println!("this machine has no {instructions:?}");
     }
     println!(
-        "{:<14} {:<9} {:>9} {:>10} {:>5} {:>5} {:>5} {:>6} {:>8} | {:>7} {:>8} {:>8} {:>7} {:>8} {:>6} {:>6} {:>5}",
+        "{:<14} {:<9} {:>9} {:>10} {:>5} {:>5} {:>5} {:>5} {:>8} {:>5} {:>8} | {:>7} {:>8} {:>8} {:>7} {:>8} {:>6} {:>6} {:>5}",
         "shape",
         "instr.",
         "rays",
@@ -101,7 +102,9 @@ fn agree(options: &Options) -> ExitCode {
         "lost",
         "extra",
         "other",
-        "contr.",
+        "off",
+        "off by",
+        "wrong",
         "worst",
         "graze",
         "|dt|/R",
@@ -133,13 +136,15 @@ fn agree(options: &Options) -> ExitCode {
 fn print_row(shape: &str, instructions: &str, c: &Count) {
     let [graze_dt, graze_sine] = c.grazing_worst;
     println!(
-        "{shape:<14} {instructions:<9} {:>9} {:>10} {:>5} {:>5} {:>5} {:>6} {:>8.1e} | {:>7} {:>8.1e} \
+        "{shape:<14} {instructions:<9} {:>9} {:>10} {:>5} {:>5} {:>5} {:>5} {:>8.1e} {:>5} {:>8.1e} | {:>7} {:>8.1e} \
          {:>8.1e} {:>7} {:>8.1e} {:>6} {:>6} {:>5}",
         c.rays,
         c.hits,
         c.lost,
         c.extra,
         c.other,
+        c.off,
+        c.off_worst,
         c.inconsistent,
         c.worst,
         c.grazing,

@@ -36,6 +36,10 @@ const TOUCHING_SINE: f64 = 1.5e-4;
 /// Or else it is so near to the end of a piece, as a share of the radius.
 const TOUCHING_JOINT: f64 = 1e-6;
 
+/// Hits on one piece, one of each engine, are one hit and inexact up to this distance as a share of the radius;
+/// beyond it one is lost and one is extra.
+const OFF: f64 = 1e-6;
+
 /// How many failures of a kind are kept in words.
 const WORDS: usize = 3;
 
@@ -55,8 +59,12 @@ pub struct Count {
     pub lost: u64,
     /// Rays with a hit that only the other engine has.
     pub extra: u64,
-    /// Rays with a hit on another piece, or with a hit farther off than rounding explains.
+    /// Rays with a hit on another piece.
     pub other: u64,
+    /// Rays with a hit that is farther off than rounding explains.
+    pub off: u64,
+    /// The largest |dt| |d| / R of those.
+    pub off_worst: f64,
     /// Rays for which the engine's answers are wrong in themselves: not in order, not in the range, an odd
     /// number of hits of a line with a solid, or `any` without a hit.
     pub inconsistent: u64,
@@ -104,7 +112,7 @@ fn has_room(failures: &[Failure], kind: &str) -> bool {
 impl Count {
     /// Whether there was no disagreement.
     pub fn is_clean(&self) -> bool {
-        self.lost + self.extra + self.other + self.inconsistent == 0
+        self.lost + self.extra + self.other + self.off + self.inconsistent == 0
     }
 
     /// Adds the counts of further rays.
@@ -115,6 +123,7 @@ impl Count {
             (&mut self.lost, more.lost),
             (&mut self.extra, more.extra),
             (&mut self.other, more.other),
+            (&mut self.off, more.off),
             (&mut self.inconsistent, more.inconsistent),
             (&mut self.grazing, more.grazing),
             (&mut self.tangent, more.tangent),
@@ -125,6 +134,7 @@ impl Count {
             *own += more;
         }
         self.worst = self.worst.max(more.worst);
+        self.off_worst = self.off_worst.max(more.off_worst);
         self.tangent_worst = self.tangent_worst.max(more.tangent_worst);
         for (own, more) in self.grazing_worst.iter_mut().zip(more.grazing_worst) {
             *own = own.max(more);
@@ -178,6 +188,7 @@ struct Findings {
     lost: bool,
     extra: bool,
     other: bool,
+    off: Option<f64>,
     unordered: bool,
     outside: bool,
     odd: bool,
@@ -185,6 +196,12 @@ struct Findings {
     end: bool,
     tie: bool,
     tangent: Option<f64>,
+}
+
+impl Findings {
+    fn is_off(&mut self, distance: f64) {
+        self.off = Some(self.off.map_or(distance, |d| d.max(distance)));
+    }
 }
 
 /// A ray, with what the oracle says of it once it has been asked.
@@ -223,11 +240,13 @@ impl<'a> Judge<'a> {
         case.compare_all(exact.all, found.all, count, &mut findings);
         case.compare_closest(exact, found, count, &mut findings);
         case.compare_any(exact, found, &mut findings);
-        let Findings { lost, extra, other, unordered, outside, odd, any, end, tie, tangent } =
+        let Findings { lost, extra, other, off, unordered, outside, odd, any, end, tie, tangent } =
             findings;
         count.lost += u64::from(lost);
         count.extra += u64::from(extra);
         count.other += u64::from(other);
+        count.off += u64::from(off.is_some());
+        count.off_worst = count.off_worst.max(off.unwrap_or(0.0));
         count.inconsistent += u64::from(unordered || outside || odd || any);
         count.end += u64::from(end);
         count.tie += u64::from(tie);
@@ -238,7 +257,8 @@ impl<'a> Judge<'a> {
         let kinds = [
             (lost, "lost"),
             (extra, "extra"),
-            (other, "other"),
+            (other, "other piece"),
+            (off.is_some(), "off"),
             (unordered, "out of order"),
             (outside, "out of range"),
             (odd, "odd"),
@@ -306,13 +326,18 @@ impl Case<'_> {
         let (size, reach) = (self.judge.oracle.size(), self.moved / (4.0 * UNIT_ROUNDOFF));
         let right = |hit: &Hit, true_one: &OracleHit| {
             let error = true_one.t.distance(hit.t).abs() * self.speed;
-            error <= allowed(true_one, self.speed, size, reach) + rounding
+            error <= allowed(true_one, self.speed, size, reach)
         };
         let agreed = self.oracle_hits().iter().find(|h| right(a, h) && right(b, h));
         match agreed {
             Some(h) => Same::Grazing(distance / radius, h.incidence.min(h.joint_incidence)),
             None => Same::No,
         }
+    }
+
+    /// Whether two hits that are not the same are likely meant to be.
+    fn is_off(&self, a: &Hit, b: &Hit) -> bool {
+        a.piece == b.piece && self.distance(a, b) <= OFF * self.judge.radius
     }
 
     /// The distance of a hit, in the half plane, from the nearer end of its piece.
@@ -376,11 +401,14 @@ impl Case<'_> {
                 unmatched.push(*a);
             }
         }
-        // What is left may be the same hit on another piece.
+        // What is left may be the same hit on another piece, or all but the same hit.
         let mut missing = Vec::new();
         for a in unmatched {
-            let place = rest.iter().position(|b| !matches!(self.same(&a, b), Same::No));
+            let place = rest
+                .iter()
+                .position(|b| self.is_off(&a, b) || !matches!(self.same(&a, b), Same::No));
             match place.map(|i| rest.remove(i)) {
+                Some(b) if b.piece == a.piece => findings.is_off(self.distance(&a, &b) / radius),
                 Some(b) if self.at_joint(&a) && self.at_joint(&b) => count.joint += 1,
                 Some(_) => findings.other = true,
                 None => missing.push(a),
@@ -438,15 +466,14 @@ impl Case<'_> {
         count: &mut Count,
         findings: &mut Findings,
     ) {
+        let inside = |h: &Hit| self.ray.t_min <= h.t && h.t <= self.ray.t_max;
+        findings.outside |= !found.closest.iter().all(inside);
         let (a, b) = match (exact.closest, found.closest) {
             (None, None) => return,
             (Some(a), Some(b)) => (a, b),
             (Some(a), None) => return self.explain(&[a], |f| &mut f.lost, findings),
             (None, Some(b)) => return self.explain(&[b], |f| &mut f.extra, findings),
         };
-        if !(self.ray.t_min <= b.t && b.t <= self.ray.t_max) {
-            findings.outside = true;
-        }
         match self.same(&a, &b) {
             Same::Near(distance) if a.piece == b.piece => {
                 count.worst = count.worst.max(distance);
@@ -469,6 +496,9 @@ impl Case<'_> {
                     findings.other = true;
                 }
             }
+            Same::No if self.is_off(&a, &b) => {
+                findings.is_off(self.distance(&a, &b) / self.judge.radius);
+            }
             Same::No if a.t < b.t => self.explain(&[a], |f| &mut f.lost, findings),
             Same::No => self.explain(&[b], |f| &mut f.extra, findings),
         }
@@ -481,6 +511,8 @@ impl Case<'_> {
         // Each of the hits that one engine must have and the other must not have needs its reason.
         if exact.any {
             self.explain(exact.all, |f| &mut f.lost, findings);
+        } else if let Some(hit) = found.closest {
+            self.explain(&[hit], |f| &mut f.extra, findings);
         } else if found.all.is_empty() {
             // Its `any` alone claims a hit, which may be one that another engine's `all` loses at a tangency.
             if self.tangency() <= TANGENCY_BAND {
