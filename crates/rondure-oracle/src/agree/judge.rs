@@ -38,7 +38,7 @@ const TOUCHING_JOINT: f64 = 1e-6;
 
 /// Hits on one piece, one of each engine, are one hit and inexact up to this distance as a share of the radius;
 /// beyond it one is lost and one is extra.
-const OFF: f64 = 1e-6;
+const OFF: f64 = 1e-3;
 
 /// How many failures of a kind are kept in words.
 const WORDS: usize = 3;
@@ -323,6 +323,10 @@ impl Case<'_> {
         if distance <= 2.0 * self.moved / sine {
             return Same::Grazing(distance / radius, sine);
         }
+        if a.piece != b.piece {
+            return Same::No;
+        }
+        // At a joint the ray may meet the other side, whose incidence only the oracle knows.
         let (size, reach) = (self.judge.oracle.size(), self.moved / (4.0 * UNIT_ROUNDOFF));
         let right = |hit: &Hit, true_one: &OracleHit| {
             let error = true_one.t.distance(hit.t).abs() * self.speed;
