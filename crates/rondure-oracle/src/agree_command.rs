@@ -53,7 +53,7 @@ fn options(mut arguments: impl Iterator<Item = String>) -> Result<Option<Options
         }
         let value = arguments.next().ok_or(format!("{name} needs a value"))?;
         let number = || match value.parse::<f64>() {
-            Ok(number) if number >= 0.0 && number <= 1e15 => Ok(number as u64),
+            Ok(number) if (0.0..=1e15).contains(&number) => Ok(number as u64),
             _ => Err(format!("{name}: {value} is no number from 0 to 1e15")),
         };
         match name.as_str() {

@@ -17,11 +17,8 @@ fn wide_agrees_with_exact() -> Result<(), rondure::ProfileError> {
         for (entrant, count) in entrants.iter().zip(compare(&shape, &entrants, &amount)) {
             assert_eq!(count.rays, amount.random + amount.adversarial);
             assert!(count.hits > 0, "{}: nothing was hit", shape.name);
-            if !count.is_clean() {
-                for failure in &count.failures {
-                    let Failure { kind, words } = failure;
-                    failures.push(format!("{} {}, {kind}: {words}", shape.name, entrant.name));
-                }
+            for Failure { kind, words } in count.failures.iter().take(2) {
+                failures.push(format!("{} {}, {kind}: {words}", shape.name, entrant.name));
             }
         }
     }
@@ -69,7 +66,7 @@ fn every_kind_of_disagreement_is_seen() -> Result<(), rondure::ProfileError> {
     assert!(vase.is_some());
     if let Some(spoiled) = vase {
         assert!(spoiled(|_| {}).is_clean());
-        assert!(spoiled(|hits| drop(hits.pop())).lost > 100);
+        assert!(spoiled(|hits| hits.truncate(hits.len().saturating_sub(1))).lost > 100);
         assert!(spoiled(|hits| hits.truncate(1)).lost > 100);
         assert!(spoiled(|hits| hits.extend_from_within(..hits.len().min(1))).extra > 100);
         assert!(

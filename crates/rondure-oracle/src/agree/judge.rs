@@ -352,8 +352,17 @@ impl Case<'_> {
         ends.iter().map(|e| (e.r - r).hypot(e.z - p.z)).fold(f64::INFINITY, f64::min)
     }
 
-    fn at_joint(&self, hit: &Hit) -> bool {
-        self.joint_distance(hit) <= self.slack(hit)
+    fn are_at_joint(&self, a: &Hit, b: &Hit) -> bool {
+        [a, b].iter().all(|hit| self.joint_distance(hit) <= self.slack(hit))
+    }
+
+    /// Whether two hits on different pieces may be the same.
+    fn is_beside(&self, a: &Hit, b: &Hit) -> bool {
+        match self.same(a, b) {
+            Same::Near(_) => true,
+            Same::Grazing(..) => self.are_at_joint(a, b),
+            Same::No => false,
+        }
     }
 
     fn compare_all(
@@ -408,12 +417,10 @@ impl Case<'_> {
         // What is left may be the same hit on another piece, or all but the same hit.
         let mut missing = Vec::new();
         for a in unmatched {
-            let place = rest
-                .iter()
-                .position(|b| self.is_off(&a, b) || !matches!(self.same(&a, b), Same::No));
+            let place = rest.iter().position(|b| self.is_off(&a, b) || self.is_beside(&a, b));
             match place.map(|i| rest.remove(i)) {
                 Some(b) if b.piece == a.piece => findings.is_off(self.distance(&a, &b) / radius),
-                Some(b) if self.at_joint(&a) && self.at_joint(&b) => count.joint += 1,
+                Some(b) if self.are_at_joint(&a, &b) => count.joint += 1,
                 Some(_) => findings.other = true,
                 None => missing.push(a),
             }
@@ -487,25 +494,27 @@ impl Case<'_> {
                 let [d, s] = count.grazing_worst;
                 count.grazing_worst = [d.max(distance), s.max(sine)];
             }
-            Same::Near(_) | Same::Grazing(..) => {
-                let known = |hit: &Hit, all: &[Hit]| {
-                    all.iter()
-                        .any(|h| h.piece == hit.piece && !matches!(self.same(h, hit), Same::No))
-                };
-                if known(&b, exact.all) {
-                    findings.tie = true;
-                } else if self.at_joint(&a) && self.at_joint(&b) {
+            Same::Near(_) | Same::Grazing(..) if self.is_known(&b, exact.all) => {
+                findings.tie = true;
+            }
+            _ if a.piece != b.piece && self.is_beside(&a, &b) => {
+                if self.are_at_joint(&a, &b) {
                     count.joint += 1;
                 } else {
                     findings.other = true;
                 }
             }
-            Same::No if self.is_off(&a, &b) => {
+            _ if self.is_off(&a, &b) => {
                 findings.is_off(self.distance(&a, &b) / self.judge.radius);
             }
-            Same::No if a.t < b.t => self.explain(&[a], |f| &mut f.lost, findings),
-            Same::No => self.explain(&[b], |f| &mut f.extra, findings),
+            _ if a.t < b.t => self.explain(&[a], |f| &mut f.lost, findings),
+            _ => self.explain(&[b], |f| &mut f.extra, findings),
         }
+    }
+
+    /// Whether a hit is the same as one of some others.
+    fn is_known(&self, hit: &Hit, all: &[Hit]) -> bool {
+        all.iter().any(|h| h.piece == hit.piece && !matches!(self.same(h, hit), Same::No))
     }
 
     fn compare_any(&self, exact: Answers<'_>, found: Answers<'_>, findings: &mut Findings) {
