@@ -4,6 +4,7 @@
 //! Shape -> Scene -> blocks of rays -> reference and contenders -> Judge -> Count
 //! ```
 
+mod count;
 mod judge;
 mod rays;
 mod shapes;
@@ -16,7 +17,8 @@ use std::thread;
 
 use rondure::{EngineOptions, Hit, Method, Ray, Surface, engine::Instructions};
 
-pub use judge::{Answers, Count, Failure, Judge, SAME};
+pub use count::{Count, Failure};
+pub use judge::{Answers, Judge, SAME};
 pub use rays::{ADVERSARIAL_KINDS, RANDOM_KINDS, Scene};
 pub use shapes::{Shape, shapes};
 
