@@ -94,7 +94,7 @@ impl Target for Instance {
     }
 }
 
-fn length(v: Vec3) -> f64 {
+pub(crate) fn length(v: Vec3) -> f64 {
     let scale = v.max_abs();
     scale * (v * scale.recip()).length()
 }

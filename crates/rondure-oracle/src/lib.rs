@@ -6,6 +6,7 @@
 //! [`Oracle`] finds all hits of a line; [`closed_form`] finds those of four solids by other means;
 //! [`Tally`] compares a surface with either and counts what is wrong.
 
+pub mod agree;
 pub mod closed_form;
 pub mod compare;
 pub mod exact;

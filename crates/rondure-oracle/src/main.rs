@@ -1,4 +1,6 @@
-//! `rondure-oracle soak --rays N --seed S`: the comparisons of the test suites, as long as one likes.
+//! `rondure-oracle soak`, `rondure-oracle agree`: the comparisons of the test suites, as long as one likes.
+
+mod agree_command;
 
 use std::{env, process::ExitCode, time::Instant};
 
@@ -9,6 +11,8 @@ use rondure_oracle::{
 };
 
 const USAGE: &str = "usage: rondure-oracle soak [--rays N] [--seed S] [--only NAME]
+       rondure-oracle agree [OPTION]..., see agree --help
+
 Shoots N random rays (1e6) at each standard profile and at random ones, and compares every hit
 with the exact oracle or a closed form; 10 N at the goblet for parity alone. --only runs the parts whose
 name contains NAME.";
@@ -20,6 +24,9 @@ struct Options {
 }
 
 fn main() -> ExitCode {
+    if env::args().nth(1).as_deref() == Some("agree") {
+        return agree_command::run(env::args().skip(2));
+    }
     match options() {
         Ok(options) => soak(&options),
         Err(message) => {
@@ -32,7 +39,7 @@ fn main() -> ExitCode {
 fn options() -> Result<Options, String> {
     let mut arguments = env::args().skip(1);
     if arguments.next().as_deref() != Some("soak") {
-        return Err("the one command is soak".into());
+        return Err("the commands are soak and agree".into());
     }
     let mut options = Options { rays: 1_000_000, seed: 1, only: String::new() };
     while let Some(name) = arguments.next() {

@@ -1,0 +1,198 @@
+//! Whether engines agree: the same hits, ray by ray, on random and on adversarial rays.
+//!
+//! ```text
+//! Shape -> Scene -> blocks of rays -> reference and contenders -> Judge -> Count
+//! ```
+
+mod count;
+mod judge;
+mod rays;
+mod shapes;
+
+use std::sync::{
+    Mutex, PoisonError,
+    atomic::{AtomicU64, Ordering},
+};
+use std::thread;
+
+use rondure::{EngineOptions, Hit, Method, Ray, Surface, engine::Instructions};
+
+pub use count::{Count, Failure};
+pub use judge::{Answers, Judge, SAME};
+pub use rays::{ADVERSARIAL_KINDS, RANDOM_KINDS, Scene};
+pub use shapes::{Shape, shapes};
+
+use crate::{Oracle, Random};
+
+/// The rays that an engine is asked about at once.
+const BLOCK: u64 = 256;
+/// Blocks that share a seed and are dealt to one thread.
+const BLOCKS: u64 = 32;
+
+/// What is held to the exact engine: answers for blocks of rays.
+pub trait Contender: Send + Sync {
+    /// The closest hit of each ray.
+    fn closest(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>);
+    /// Whether each ray hits.
+    fn any(&self, rays: &[Ray], found: &mut Vec<bool>);
+    /// All hits of one ray.
+    fn all(&self, ray: &Ray, hits: &mut Vec<Hit>);
+}
+
+impl Contender for Surface {
+    fn closest(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
+        hits.clear();
+        hits.extend(rays.iter().map(|ray| Surface::closest(self, ray)));
+    }
+    fn any(&self, rays: &[Ray], found: &mut Vec<bool>) {
+        found.clear();
+        found.extend(rays.iter().map(|ray| Surface::any(self, ray)));
+    }
+    fn all(&self, ray: &Ray, hits: &mut Vec<Hit>) {
+        Surface::all(self, ray, hits);
+    }
+}
+
+/// A contender with its name in tables.
+pub struct Entrant {
+    /// Without spaces.
+    pub name: &'static str,
+    /// Who answers.
+    pub contender: Box<dyn Contender>,
+}
+
+/// The wide engine with each of some instruction sets, as far as the machine has them.
+pub fn wide(shape: &Shape, instructions: &[Instructions]) -> Vec<Entrant> {
+    let available = instructions.iter().filter(|i| i.are_available());
+    available
+        .map(|&instructions| {
+            let options =
+                EngineOptions { method: Method::Wide, instructions, ..EngineOptions::default() };
+            let name = Instructions::ALL.iter().find(|(i, _)| *i == instructions);
+            let surface = Surface::with_engine(&shape.profile, &options);
+            Entrant { name: name.map_or("", |(_, name)| name), contender: Box::new(surface) }
+        })
+        .collect()
+}
+
+/// How many rays to shoot.
+#[derive(Clone, Copy, Debug)]
+pub struct Amount {
+    /// Random rays.
+    pub random: u64,
+    /// Adversarial rays.
+    pub adversarial: u64,
+    /// Where the random numbers begin.
+    pub seed: u64,
+    /// How many threads share the work.
+    pub threads: usize,
+}
+
+/// Compares contenders with the exact engine; one count for each, in their order. The rays, and with them
+/// the counts, do not depend on the number of threads.
+pub fn compare(shape: &Shape, entrants: &[Entrant], amount: &Amount) -> Vec<Count> {
+    let options = EngineOptions { method: Method::Exact, ..EngineOptions::default() };
+    let exact = Surface::with_engine(&shape.profile, &options);
+    let oracle = Oracle::new(&shape.profile);
+    let scene = Scene::new(&exact, &shape.profile);
+    let judge = Judge::new(&exact, &oracle, scene.center, scene.radius);
+    let total = amount.random + amount.adversarial;
+    let stretch = BLOCK * BLOCKS;
+    let next = AtomicU64::new(0);
+    let done = Mutex::new(Vec::new());
+    let work = || {
+        let mut bench = Bench::default();
+        loop {
+            let number = next.fetch_add(1, Ordering::Relaxed);
+            let first = number * stretch;
+            if first >= total {
+                return;
+            }
+            let mut random = Random::new(Random::new(amount.seed ^ (number << 20)).bits());
+            let mut counts = vec![Count::default(); entrants.len()];
+            let last = total.min(first + stretch);
+            for start in (first..last).step_by(BLOCK as usize) {
+                bench.rays.clear();
+                bench.rays.extend((start..last.min(start + BLOCK)).map(|i| {
+                    if i < amount.random {
+                        scene.random(i, &mut random)
+                    } else {
+                        scene.adversarial(i, &mut random)
+                    }
+                }));
+                bench.answer(&exact, entrants, &judge, &mut counts);
+            }
+            done.lock().unwrap_or_else(PoisonError::into_inner).push((number, counts));
+        }
+    };
+    thread::scope(|scope| {
+        for _ in 0..amount.threads.max(1) {
+            scope.spawn(work);
+        }
+    });
+    let mut done = done.into_inner().unwrap_or_else(PoisonError::into_inner);
+    done.sort_by_key(|(number, _)| *number);
+    let mut sums = vec![Count::default(); entrants.len()];
+    for (_, counts) in done {
+        for (sum, count) in sums.iter_mut().zip(counts) {
+            sum.add(count);
+        }
+    }
+    sums
+}
+
+/// A block of rays and what was answered, kept for their memory.
+#[derive(Default)]
+struct Bench {
+    rays: Vec<Ray>,
+    expected: Sheet,
+    found: Sheet,
+    hits: Vec<Hit>,
+}
+
+/// The answers for a block of rays.
+#[derive(Default)]
+struct Sheet {
+    closest: Vec<Option<Hit>>,
+    any: Vec<bool>,
+    all: Vec<Hit>,
+    /// Where the hits of each ray end in `all`.
+    ends: Vec<usize>,
+}
+
+impl Sheet {
+    fn fill(&mut self, contender: &dyn Contender, rays: &[Ray], hits: &mut Vec<Hit>) {
+        contender.closest(rays, &mut self.closest);
+        contender.any(rays, &mut self.any);
+        self.all.clear();
+        self.ends.clear();
+        for ray in rays {
+            contender.all(ray, hits);
+            self.all.extend_from_slice(hits);
+            self.ends.push(self.all.len());
+        }
+    }
+
+    fn answers(&self, i: usize) -> Answers<'_> {
+        let start = if i == 0 { 0 } else { self.ends[i - 1] };
+        Answers { all: &self.all[start..self.ends[i]], closest: self.closest[i], any: self.any[i] }
+    }
+}
+
+impl Bench {
+    fn answer(
+        &mut self,
+        exact: &Surface,
+        entrants: &[Entrant],
+        judge: &Judge<'_>,
+        counts: &mut [Count],
+    ) {
+        self.expected.fill(exact, &self.rays, &mut self.hits);
+        for (entrant, count) in entrants.iter().zip(counts) {
+            self.found.fill(&*entrant.contender, &self.rays, &mut self.hits);
+            for (i, ray) in self.rays.iter().enumerate() {
+                judge.compare(ray, self.expected.answers(i), self.found.answers(i), count);
+            }
+        }
+    }
+}
