@@ -1,0 +1,36 @@
+//! The contestants: Rondure's engines, as a user of the crate calls them, and Embree's scenes.
+
+use std::hint::black_box;
+
+use rondure::Surface;
+
+use super::contest::Contestant;
+use super::embree::Scene;
+use super::rays::{Query, RaySet};
+
+impl Contestant for Surface {
+    fn answer(&self, set: &RaySet) -> Option<u64> {
+        if set.batch {
+            return None;
+        }
+        let count = match set.query {
+            Query::Closest => {
+                set.rays.iter().filter(|ray| black_box(self.closest(ray)).is_some()).count()
+            }
+            Query::Any => set.rays.iter().filter(|ray| self.any(ray)).count(),
+        };
+        Some(count as u64)
+    }
+}
+
+impl Contestant for Scene<'_> {
+    fn answer(&self, set: &RaySet) -> Option<u64> {
+        let far = set.far();
+        Some(match (set.query, set.batch) {
+            (Query::Closest, false) => self.closest(&set.singles, far),
+            (Query::Any, false) => self.any(&set.singles, far),
+            (Query::Closest, true) => self.closest_packets(&set.packets, far, set.coherent),
+            (Query::Any, true) => self.any_packets(&set.packets, far, set.coherent),
+        })
+    }
+}
