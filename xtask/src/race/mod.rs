@@ -12,6 +12,7 @@ mod field;
 mod install;
 mod mesh;
 mod others;
+mod plot;
 
 mod rays;
 mod report;
@@ -133,7 +134,11 @@ pub(crate) fn run(options: &Options) -> Result<(), Box<dyn Error>> {
     }
     fs::create_dir_all(&options.out)?;
     let markdown = report.markdown();
-    let files = [("race.md", markdown.clone()), ("race.csv", report.csv())];
+    let files = [
+        ("race.md", markdown.clone()),
+        ("race.csv", report.csv()),
+        ("race.svg", plot::plot(&report.shapes)),
+    ];
     for (name, text) in files {
         let path = options.out.join(name);
         fs::write(&path, text).map_err(|e| format!("cannot write {}: {e}", path.display()))?;
