@@ -7,6 +7,7 @@
 #![allow(
     missing_docs,
     unused_qualifications,
+    clippy::expect_used,
     reason = "the benchmark's own functions, and what its macros make of them"
 )]
 

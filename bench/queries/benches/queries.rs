@@ -2,7 +2,11 @@
 //!
 //! Times are those of all rays together; `item/s` are rays a second.
 
-#![allow(missing_docs, reason = "the benchmark's own functions")]
+#![allow(
+    missing_docs,
+    clippy::expect_used,
+    reason = "the benchmark's own functions, on shapes that are known to be good"
+)]
 
 mod common;
 

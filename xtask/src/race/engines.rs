@@ -11,6 +11,7 @@ use super::rays::{Query, RaySet};
 impl Contestant for Surface {
     fn answer(&self, set: &RaySet) -> Option<u64> {
         if set.batch {
+            // The public interface takes one ray at a time.
             return None;
         }
         let count = match set.query {

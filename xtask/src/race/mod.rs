@@ -120,7 +120,8 @@ pub(crate) fn run(options: &Options) -> Result<(), Box<dyn Error>> {
     let device = Device::load(&libraries.embree, &libraries.needs)?;
     pin_to_one_core();
     let mut report = Report::new(device.describe(), options.rounds());
-    for name in &options.shapes {
+    let on_shapes = options.races(Part::Embree) || options.races(Part::Engines);
+    for name in options.shapes.iter().filter(|_| on_shapes) {
         report.shapes.push(shape::race(name, &device, options)?);
     }
     if options.races(Part::Instances) {

@@ -22,7 +22,7 @@ const COLUMNS: usize = 3;
 const PANEL: [f64; 2] = [270.0, 230.0];
 const GAP: [f64; 2] = [24.0, 62.0];
 /// Left of, and above, the panels.
-const MARGIN: [f64; 2] = [64.0, 74.0];
+const MARGIN: [f64; 2] = [68.0, 84.0];
 /// Right of, and below, the panels.
 const REST: [f64; 2] = [20.0, 64.0];
 /// How wide the column of error 0 is.
@@ -119,7 +119,7 @@ pub(crate) fn plot(shapes: &[ShapeResult]) -> String {
     let middle = MARGIN[1] + 0.5 * (height - MARGIN[1] - REST[1]);
     svg.text(
         [0.0, 0.0],
-        &format!("text-anchor=\"middle\" transform=\"translate(18 {middle}) rotate(-90)\""),
+        &format!("text-anchor=\"middle\" transform=\"translate(13 {middle}) rotate(-90)\""),
         "million rays a second, one thread",
     );
     svg.0.push_str("</svg>\n");

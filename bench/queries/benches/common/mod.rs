@@ -3,7 +3,7 @@
 use rondure::{Profile, Ray, Surface, Vec3};
 
 /// The standard shapes, of 4, 12, 32 and 128 segments.
-pub const SHAPES: [(&str, &str); 4] = [
+pub(crate) const SHAPES: [(&str, &str); 4] = [
     ("vase", include_str!("../../../../profiles/vase.path")),
     ("goblet", include_str!("../../../../profiles/goblet.path")),
     ("pawn", include_str!("../../../../profiles/pawn.path")),
@@ -11,13 +11,13 @@ pub const SHAPES: [(&str, &str); 4] = [
 ];
 
 /// The profile of a standard shape.
-pub fn profile(shape: &str) -> Profile {
+pub(crate) fn profile(shape: &str) -> Profile {
     let (_, path) = SHAPES.into_iter().find(|(name, _)| *name == shape).expect("a standard shape");
     Profile::from_path_data(path).expect("a good profile")
 }
 
 /// Rays of a pinhole camera that sees a standard shape, row by row, about `count` of them.
-pub fn camera_rays(count: u32) -> Vec<Ray> {
+pub(crate) fn camera_rays(count: u32) -> Vec<Ray> {
     let eye = Vec3::new(1.30, 0.45, 0.95);
     let forward = (Vec3::new(0.0, 0.0, 0.48) - eye).normalized();
     let right = forward.cross(Vec3::Z).normalized();
@@ -30,7 +30,7 @@ pub fn camera_rays(count: u32) -> Vec<Ray> {
 }
 
 /// Rays from the sphere round the surface to points in its box.
-pub fn random_rays(surface: &Surface, count: u32) -> Vec<Ray> {
+pub(crate) fn random_rays(surface: &Surface, count: u32) -> Vec<Ray> {
     let mut state = 1_u64;
     let mut number = || {
         state =
