@@ -35,3 +35,16 @@ impl Contestant for Scene<'_> {
         })
     }
 }
+
+/// A scene that answers batches ray by ray: on the finest meshes that can be faster than packets.
+pub(crate) struct OneByOne<'a>(pub(crate) &'a Scene<'a>);
+
+impl Contestant for OneByOne<'_> {
+    fn answer(&self, set: &RaySet) -> Option<u64> {
+        let far = set.far();
+        set.batch.then(|| match set.query {
+            Query::Closest => self.0.closest(&set.singles, far),
+            Query::Any => self.0.any(&set.singles, far),
+        })
+    }
+}
