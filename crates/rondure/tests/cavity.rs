@@ -242,6 +242,14 @@ fn crossings_are_told_and_contacts_are_not() {
         assert!(matches!(measure.solid, Err(NoSolid::Crossing { .. })), "{path}");
         assert!(measure.length > 0.0 && measure.area > 0.0);
     }
+    let near = |path: &str| match measure(path).solid {
+        Err(NoSolid::Crossing { near }) => near,
+        other => panic!("{other:?}"),
+    };
+    let tie = near("M 1 0 L 3 2 L 1 2 L 3 0 Z");
+    assert!((tie.r - 2.0).abs() + (tie.z - 1.0).abs() < 1e-13, "{tie:?}");
+    let pair = near("M 1 0 Q 2 1 1 2 L 0 2 L 0 0 Z M 1.4 0 L 1.4 2 L 3 2 L 3 0 Z");
+    assert!((pair.r - 1.4).abs() < 1e-13, "{pair:?}");
     for (path, volume) in [
         // Tori that touch.
         (
@@ -259,7 +267,8 @@ fn crossings_are_told_and_contacts_are_not() {
             outer - 0.5 * 2.0 * PI * (3.5 / 3.0)
         }),
     ] {
-        near(measure(path).solid.unwrap().volume, volume, 1e-14);
+        let found = measure(path).solid.unwrap().volume;
+        assert!((found - volume).abs() <= 1e-14 * volume, "{path}: {found} for {volume}");
     }
 }
 

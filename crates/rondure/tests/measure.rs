@@ -196,7 +196,7 @@ fn places_and_sizes_do_not_matter() {
     let here = profile(path).measure();
     let solid = here.solid.unwrap();
     let cavity = here.cavity.unwrap();
-    for factor in [1e-6, 0.5, 3.0, 1e6] {
+    for factor in [1e-60, 1e-6, 0.5, 3.0, 1e6, 1e60] {
         let map = PlaneMap::scale(factor, factor);
         let there = profile(path).mapped(&map).unwrap().measure();
         let other = there.solid.unwrap();

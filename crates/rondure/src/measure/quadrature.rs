@@ -9,8 +9,10 @@
 //! h^33 2^33 (16!)^4 / (33 (32!)^3) max|f^(32)|,   |f^(32)| <= 5^32 max|f|
 //! ```
 //!
-//! is below 1e-24 of the integrand at h = 0.8. So both are exact but for rounding. Speeds are not
-//! polynomials; they are integrated by bisection until the two halves agree with the whole.
+//! is below 1e-24 of the integrand at h = 0.8. On a rational quadratic piece of such an arc, weight w >=
+//! cos 0.8, the poles lie 1.18 beside the middle of [0, 1]: the rule converges as 4.9^-32. So all of
+//! these are exact but for rounding. Speeds are not polynomials; they are integrated by bisection
+//! until the two halves agree with the whole.
 
 use crate::numeric::gamma;
 use crate::piece::Jet;

@@ -180,7 +180,7 @@ impl Slabs {
             for pair in row.windows(2) {
                 let [a, b] = [0, 1].map(|i| &self.walls[pair[i].0 as usize]);
                 if let Some(z) = self.swap(a, b, [bottom, top]) {
-                    return Err(Disorder::Crossing(Point::new(b.r(z), z)));
+                    return Err(Disorder::Crossing(crossing(a, b, middle, z)));
                 }
             }
             self.vote(&row, middle, &mut votes)?;
@@ -253,4 +253,14 @@ impl Slabs {
         }
         None
     }
+}
+
+/// The crossing between a height at which `a` is within `b` and one at which it is not.
+fn crossing(a: &Wall, b: &Wall, mut ordered: f64, mut swapped: f64) -> Point {
+    const HALVINGS: u32 = 60;
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (ordered + swapped);
+        if a.r(middle) > b.r(middle) { swapped = middle } else { ordered = middle }
+    }
+    Point::new(b.r(swapped), swapped)
 }
