@@ -6,6 +6,8 @@ mod check;
 mod engine;
 mod failure;
 mod interrupt;
+mod json;
+mod measure;
 mod paper;
 mod profile;
 mod progress;
@@ -31,6 +33,7 @@ enum Command {
     Render(render::Render),
     Check(check::Check),
     Trace(trace::Trace),
+    Measure(measure::Measure),
     Paper(paper::Paper),
 }
 
@@ -39,6 +42,7 @@ Examples:
   rondure render scenes/still-life.toml            make still-life.png
   rondure check scenes/*.toml                      read scenes, say what is wrong
   rondure trace goblet.path --rays rays.csv --all  print every hit of every ray
+  rondure measure goblet.path --in cm              volume, centroid, what it holds
 
 `rondure help render`, and so on, explains each command.
 Exit codes: 0 all went well, 1 something is wrong with an input or an output, 2 wrong usage,
@@ -49,6 +53,7 @@ fn main() -> ExitCode {
         Command::Render(render) => render.run(),
         Command::Check(check) => check.run(),
         Command::Trace(trace) => trace.run(),
+        Command::Measure(measure) => measure.run(),
         Command::Paper(paper) => paper.run(),
     };
     failure::exit_code(outcome)

@@ -1,6 +1,6 @@
 //! The argument `PROFILE`, the options that say how to read it, and the reading.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{
     Args, ValueEnum,
@@ -73,6 +73,31 @@ fn unit_parser() -> impl TypedValueParser<Value = Unit> {
 }
 
 impl ProfileArgs {
+    /// The file.
+    pub(crate) fn path(&self) -> &Path {
+        &self.profile
+    }
+
+    /// The unit in which an SVG profile is to be measured.
+    pub(crate) fn unit(&self) -> Option<Unit> {
+        self.unit
+    }
+
+    /// The first option that was given.
+    pub(crate) fn any_option(&self) -> Option<&'static str> {
+        [
+            (self.svg_id.is_some(), "--svg-id"),
+            (self.axis.is_some(), "--axis"),
+            (self.base.is_some(), "--base"),
+            (self.snap.is_some(), "--snap"),
+            (self.unit.is_some(), "--unit"),
+            (self.spline.is_some(), "--spline"),
+            (self.scale.is_some(), "--scale"),
+        ]
+        .into_iter()
+        .find_map(|(given, name)| given.then_some(name))
+    }
+
     /// Reads the profile.
     pub(crate) fn read(&self) -> Result<Profile, Failure> {
         let options = ProfileOptions {

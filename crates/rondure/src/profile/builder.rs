@@ -30,6 +30,22 @@ pub struct ProfileBuilder {
     error: Option<ProfileError>,
 }
 
+impl Profile {
+    /// The image of the profile under a map of the half plane; arcs stay arcs.
+    ///
+    /// # Errors
+    ///
+    /// As for [`ProfileBuilder::build`]: above all, the image must not go to r < 0.
+    pub fn mapped(&self, map: &PlaneMap) -> Result<Self, ProfileError> {
+        let builder = ProfileBuilder {
+            subpaths: self.subpaths.clone(),
+            spans: vec![None; self.segments().count()],
+            ..ProfileBuilder::default()
+        };
+        builder.map(map).build()
+    }
+}
+
 impl ProfileBuilder {
     /// Begins a new subpath at (r, z).
     #[must_use]
