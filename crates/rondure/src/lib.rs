@@ -30,6 +30,7 @@ pub mod numeric;
 mod orientation;
 mod piece;
 pub mod profile;
+mod rings;
 mod root;
 mod shell;
 mod surface;
