@@ -21,6 +21,7 @@
 mod affine;
 mod arc_length;
 mod bounds;
+pub mod bvh;
 pub mod engine;
 mod frame;
 mod instance;
@@ -38,6 +39,7 @@ mod vector;
 
 pub use affine::Affine;
 pub use bounds::Bounds;
+pub use bvh::Bvh;
 pub use engine::{EngineOptions, Method};
 pub use instance::Instance;
 pub use interaction::Interaction;
