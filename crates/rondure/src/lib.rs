@@ -2,7 +2,8 @@
 //!
 //! A [`Profile`] is swept round the z axis; the [`Surface`] built from it answers rays in f64:
 //! closest hit, any hit, all hits, and on demand the point, the normal, the parameters and the
-//! partial derivatives there. An [`Instance`] places a shared surface in the world.
+//! partial derivatives there. An [`Instance`] places a shared surface in the world; an [`Assembly`]
+//! holds up to millions of them.
 //!
 //! ```
 //! # fn main() -> Result<(), rondure::ProfileError> {
@@ -20,11 +21,13 @@
 
 mod affine;
 mod arc_length;
+mod assembly;
 mod bounds;
 pub mod bvh;
 pub mod engine;
 mod frame;
 mod instance;
+mod instances;
 mod interaction;
 mod meridian;
 pub mod numeric;
@@ -38,10 +41,12 @@ mod surface;
 mod vector;
 
 pub use affine::Affine;
+pub use assembly::{Assembly, Contact};
 pub use bounds::Bounds;
 pub use bvh::Bvh;
 pub use engine::{EngineOptions, Method};
 pub use instance::Instance;
+pub use instances::{Instances, PlaceError, PlaceErrorKind};
 pub use interaction::Interaction;
 pub use profile::{Point, Profile, ProfileError, ProfileErrorKind, Segment, Spline};
 pub use surface::{Hit, Surface};
