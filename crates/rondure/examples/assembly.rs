@@ -92,7 +92,7 @@ fn lattice(count: usize) -> Result<Assembly, Box<dyn Error>> {
     for shape in 0..SHAPES {
         instances.add_shape(Arc::new(vase(shape)?));
     }
-    instances.reserve(count);
+    instances.try_reserve(count)?;
     let mut random = Random(1);
     let side = (count as f64).cbrt().ceil() as usize;
     for i in 0..count {

@@ -1,5 +1,6 @@
 //! Very many objects: placed surfaces in a form that takes some 200 bytes each.
 
+use std::collections::TryReserveError;
 use std::sync::Arc;
 
 use crate::frame::Frame;
@@ -38,7 +39,7 @@ pub struct PlaceError {
 #[non_exhaustive]
 pub enum PlaceErrorKind {
     /// The placement has no finite inverse: it is flat, too large, too small or not finite.
-    NotInvertible(Affine),
+    NotInvertible(Box<Affine>),
     /// There is no shape of this number.
     NoSuchShape {
         /// The number asked for.
@@ -54,15 +55,18 @@ impl core::fmt::Display for PlaceError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         write!(f, "instance {}: ", self.instance)?;
         match &self.kind {
-            PlaceErrorKind::NotInvertible(Affine { columns: [x, y, z], translation: t }) => write!(
-                f,
-                "the placement cannot be inverted in f64 arithmetic: it carries x to {}, y to {}, z to {} \
+            PlaceErrorKind::NotInvertible(map) => {
+                let Affine { columns: [x, y, z], translation: t } = &**map;
+                write!(
+                    f,
+                    "the placement cannot be inverted in f64 arithmetic: it carries x to {}, y to {}, z to {} \
                  and the origin to {}; it must not be flat, and neither it nor its inverse too large",
-                Coordinates(x),
-                Coordinates(y),
-                Coordinates(z),
-                Coordinates(t)
-            ),
+                    Coordinates(x),
+                    Coordinates(y),
+                    Coordinates(z),
+                    Coordinates(t)
+                )
+            }
             PlaceErrorKind::NoSuchShape { shape, shapes } => {
                 write!(f, "there is no shape {shape}, only {shapes}, counted from 0")
             }
@@ -96,9 +100,12 @@ impl Instances {
     }
 
     /// Makes room for more instances.
-    pub fn reserve(&mut self, additional: usize) {
-        self.places.reserve_exact(additional);
-        self.placements.reserve_exact(additional);
+    ///
+    /// # Errors
+    /// If there is not enough memory.
+    pub fn try_reserve(&mut self, additional: usize) -> Result<(), TryReserveError> {
+        self.places.try_reserve_exact(additional)?;
+        self.placements.try_reserve_exact(additional)
     }
 
     /// Places a surface: moved, turned, scaled, mirrored or sheared. Returns the instance's number.
@@ -116,7 +123,7 @@ impl Instances {
         let surface = self.shapes.get(shape as usize);
         let surface = surface.ok_or(error(PlaceErrorKind::NoSuchShape { shape, shapes }))?;
         let frame = Frame::placed(surface.center_z, surface.radius, &placement);
-        let frame = frame.ok_or(error(PlaceErrorKind::NotInvertible(placement)))?;
+        let frame = frame.ok_or_else(|| error(PlaceErrorKind::NotInvertible(placement.into())))?;
         self.places.push(Place { frame, shape });
         self.placements.push(placement);
         Ok(instance as u32)

@@ -181,7 +181,7 @@ fn errors_tell_which_instance() {
     instances.place(ball, Affine::IDENTITY).unwrap();
     let flat = Affine::scale(Vec3::new(1.0, 0.0, 2.0));
     let error = instances.place(ball, flat).unwrap_err();
-    assert_eq!((error.instance, &error.kind), (1, &PlaceErrorKind::NotInvertible(flat)));
+    assert_eq!((error.instance, &error.kind), (1, &PlaceErrorKind::NotInvertible(flat.into())));
     assert_eq!(
         error.to_string(),
         "instance 1: the placement cannot be inverted in f64 arithmetic: it carries x to (1.0, 0.0, 0.0), \

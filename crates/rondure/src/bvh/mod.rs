@@ -115,6 +115,9 @@ impl Bvh {
         let mut end = ray.t_max;
         for &item in &self.boundless {
             end = end.min(visit(item));
+            if end == f64::NEG_INFINITY {
+                return;
+            }
         }
         let Some(local) = self.space.enter(&Ray { t_max: end, ..*ray }) else { return };
         walk::walk(simd, &self.nodes, &local, |item| {

@@ -163,6 +163,14 @@ fn boxes_without_end_are_met_and_empty_ones_are_not() {
     assert_eq!(met(&tree, &Ray::new(Vec3::ZERO, Vec3::X)), [0, 2, 3, 4]);
     assert_eq!(met(&tree, &Ray::new(Vec3::ZERO, Vec3::Y)), [0, 2, 3]);
     assert_eq!(tree.bounds(), ball);
+    for stop_after in 1..=4 {
+        let mut visited = 0;
+        tree.walk(&Ray::new(Vec3::ZERO, Vec3::X), |_| {
+            visited += 1;
+            if visited == stop_after { f64::NEG_INFINITY } else { f64::INFINITY }
+        });
+        assert_eq!(visited, stop_after);
+    }
     assert!(met(&self::tree(&boxes[1..2]), &Ray::new(Vec3::ZERO, Vec3::X)).is_empty());
     assert!(self::tree(&boxes[1..2]).is_empty() && !self::tree(&boxes[..1]).is_empty());
 }
