@@ -2,9 +2,10 @@
 //!
 //! Nodes have eight children whose boxes lie side by side in f32, for one SIMD instruction each; the
 //! tree takes some 50 bytes an item. `space` says why no f64 hit is lost by that, `build` how
-//! the tree is made, `node` and `walk` how a ray goes through it.
+//! the tree is made, `crowd` what is left out of it, `node` and `walk` how a ray goes through it.
 
 mod build;
+mod crowd;
 mod node;
 mod space;
 mod walk;
@@ -12,6 +13,7 @@ mod walk;
 use fearless_simd::{Level, Simd, dispatch};
 
 use self::build::Item;
+use self::crowd::Crowd;
 use self::node::Node;
 use self::space::Space;
 use crate::{Bounds, Ray};
@@ -24,8 +26,8 @@ use crate::{Bounds, Ray};
 pub struct Bvh {
     nodes: Vec<Node>,
     space: Space,
-    /// Items without a finite box: every ray meets them.
-    boundless: Vec<u32>,
+    /// Items without a finite box, and those that stand aside: every ray meets them.
+    aside: Vec<u32>,
     bounds: Bounds,
     level: Level,
 }
@@ -34,11 +36,12 @@ pub struct Bvh {
 pub const MOST_ITEMS: usize = build::MOST_ITEMS;
 
 impl Bvh {
-    /// Builds the tree over the items 0 to `count` - 1. `bounds` tells their boxes; it is asked twice
-    /// for each.
+    /// Builds the tree over the items 0 to `count` - 1. `bounds` tells their boxes; it is asked two
+    /// or three times for each.
     ///
-    /// An item whose box is not finite, or larger than 1e300, is met by every ray; one whose box is
-    /// empty (a lower corner above the upper one), by none.
+    /// An item whose box is not finite, or larger than 1e300, is met by every ray; so are up to 16
+    /// items that reach more than 32 times as far as all others, wherever the ray goes. One whose
+    /// box is empty (a lower corner above the upper one) is met by none.
     ///
     /// # Errors
     /// If there are more than [`MOST_ITEMS`] items.
@@ -47,35 +50,39 @@ impl Bvh {
             return Err(TooManyItems { count });
         }
         let count = count as u32;
-        let all = over(count, |range| {
-            let bounded = range.map(&bounds).filter(|b| !is_empty(b) && space::is_bounded(b));
-            bounded.fold(Bounds::EMPTY, |all, b| all.union(&b))
+        let bounded = |i| Some(bounds(i)).filter(|b| !is_empty(b) && space::is_bounded(b));
+        let nobody = Crowd::round_middle(count, bounded);
+        let crowds = over(count, |range| {
+            let mut crowd = nobody.clone();
+            range.filter_map(bounded).for_each(|b| crowd.add(&b));
+            crowd
         });
-        let all = all.into_iter().fold(Bounds::EMPTY, |all, part| all.union(&part));
-        let space = Space::new(if is_empty(&all) { &Bounds::ORIGIN } else { &all });
+        let crowd = crowds.into_iter().fold(nobody, Crowd::union).decided();
+        let [all, inner] = crowd.bounds();
+        let space = Space::new(if is_empty(&inner) { &Bounds::ORIGIN } else { &inner });
         let parts = over(count, |range| {
-            let (mut items, mut boundless) = (Vec::with_capacity(range.len()), Vec::new());
+            let (mut items, mut aside) = (Vec::with_capacity(range.len()), Vec::new());
             for i in range {
                 let bounds = bounds(i);
                 if is_empty(&bounds) {
                     continue;
                 }
-                if space::is_bounded(&bounds) {
+                if space::is_bounded(&bounds) && !crowd.stands_aside(&bounds) {
                     items.push(Item::new(i, space.slabs(&bounds)));
                 } else {
-                    boundless.push(i);
+                    aside.push(i);
                 }
             }
-            (items, boundless)
+            (items, aside)
         });
         let mut items = Vec::with_capacity(parts.iter().map(|(items, _)| items.len()).sum());
-        let mut boundless = Vec::new();
+        let mut aside = Vec::new();
         for (part, others) in parts {
             items.extend(part);
-            boundless.extend(others);
+            aside.extend(others);
         }
         let nodes = build::build(&mut items);
-        Ok(Self { nodes, space, boundless, bounds: all, level: Level::new() })
+        Ok(Self { nodes, space, aside, bounds: all, level: Level::new() })
     }
 
     /// What of the machine's SIMD is used.
@@ -90,12 +97,12 @@ impl Bvh {
 
     /// The bytes that the tree takes.
     pub fn bytes(&self) -> usize {
-        size_of_val(&*self.nodes) + size_of_val(&*self.boundless)
+        size_of_val(&*self.nodes) + size_of_val(&*self.aside)
     }
 
     /// Whether there is nothing that a ray could meet.
     pub fn is_empty(&self) -> bool {
-        self.nodes.is_empty() && self.boundless.is_empty()
+        self.nodes.is_empty() && self.aside.is_empty()
     }
 
     /// Visits the items whose boxes the ray may meet in its range, each once, near ones first by and
@@ -113,7 +120,7 @@ impl Bvh {
     #[inline(always)]
     pub(crate) fn walk_with<S: Simd>(&self, simd: S, ray: &Ray, mut visit: impl FnMut(u32) -> f64) {
         let mut end = ray.t_max;
-        for &item in &self.boundless {
+        for &item in &self.aside {
             end = end.min(visit(item));
             if end == f64::NEG_INFINITY {
                 return;

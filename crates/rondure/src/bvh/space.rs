@@ -78,9 +78,9 @@ pub(super) struct LocalRay {
     /// Whether the ray runs towards smaller coordinates.
     pub(super) falling: [bool; 3],
     pub(super) end: f32,
-    /// The local parameter is `t * scale / unit - shift - start`.
+    /// The local parameter is `t * scale * inverse_unit - shift - start`.
     scale: f64,
-    unit: f64,
+    inverse_unit: f64,
     shift: f64,
     start: f64,
     reach: f64,
@@ -124,7 +124,8 @@ impl Space {
         }
         let unit = reciprocal_power_of_two(largest);
         let direction = ray.direction * unit;
-        let length2 = direction.length_squared();
+        // The largest coordinate is at least 1, so is this; all that it is for bears its rounding.
+        let inverse2 = 1.0 / direction.length_squared();
         let along = |t: f64, from: Vec3| {
             Vec3::new(
                 t.mul_add(direction.x, from.x),
@@ -136,10 +137,10 @@ impl Space {
         let (y, y_low) = two_diff(ray.origin.y, self.center.y);
         let (z, z_low) = two_diff(ray.origin.z, self.center.z);
         let from = Vec3::new(x, y, z) * self.scale;
-        let mut shift = -from.dot(direction) / length2;
+        let mut shift = -from.dot(direction) * inverse2;
         let mut nearest = along(shift, from) + Vec3::new(x_low, y_low, z_low) * self.scale;
-        let rest = -nearest.dot(direction) / length2;
-        if rest * rest * length2 > self.radius2 {
+        let rest = -nearest.dot(direction) * inverse2;
+        if rest * rest > self.radius2 * inverse2 {
             shift += rest;
             nearest = along(rest, nearest);
         }
@@ -148,14 +149,15 @@ impl Space {
             return None;
         }
         // The move went to the nearest point only up to rounding; this much farther is enough.
-        let reach = (self.radius2 / length2).sqrt() * (1.0 + PAD);
+        let reach = (self.radius2 * inverse2).sqrt() * (1.0 + PAD);
         let local = LocalRay {
             reciprocal: [0.0; 3],
             shifted: [0.0; 3],
             falling: [false; 3],
             end: 0.0,
             scale: self.scale,
-            unit,
+            // A power of two between 2^-1022 and 2^1022, as its inverse is.
+            inverse_unit: 1.0 / unit,
             shift,
             start: 0.0,
             reach,
@@ -185,7 +187,7 @@ impl LocalRay {
     /// side of `sign` by as much as it, or a hit's own t, can be off.
     #[inline(always)]
     fn bound(&self, t: f64, sign: f64) -> f64 {
-        let t = t * self.scale / self.unit;
+        let t = t * self.scale * self.inverse_unit;
         (t - self.shift) + sign * gamma(64) * (t.abs() + self.shift.abs() + self.reach)
     }
 

@@ -176,6 +176,25 @@ fn boxes_without_end_are_met_and_empty_ones_are_not() {
 }
 
 #[test]
+fn giants_do_not_blur_the_crowd() {
+    let mut boxes: Vec<_> = (0..1000)
+        .map(|i| around(Vec3::new(f64::from(i % 32), f64::from(i / 32), 0.0), Vec3::splat(0.1)))
+        .collect();
+    let planet = around(Vec3::Z * -1e9, Vec3::splat(1e9));
+    let star = around(Vec3::X * 1e14, Vec3::splat(1.0));
+    boxes.extend([planet, star]);
+    let mixed = tree(&boxes);
+    let ray = Ray::new(Vec3::new(16.0, 16.0, 5.0), -Vec3::Z);
+    assert_eq!(met(&mixed, &ray), [16 * 32 + 16, 1000, 1001]);
+    assert_eq!(mixed.bounds(), planet.union(&star).union(&around(Vec3::ZERO, Vec3::splat(0.1))));
+    // Too many to stand aside: still nothing is lost.
+    boxes.extend((0..20).map(|i| around(Vec3::Y * (1e12 * f64::from(i)), Vec3::splat(1e11))));
+    assert!(met(&tree(&boxes), &ray).contains(&(16 * 32 + 16)));
+    let along = met(&tree(&boxes), &Ray::new(Vec3::Z, Vec3::Y));
+    assert!((1002..1022).all(|i| along.contains(&i)));
+}
+
+#[test]
 fn what_is_no_ray_meets_nothing() {
     let tree = tree(&[around(Vec3::ZERO, Vec3::splat(1.0))]);
     for ray in [
