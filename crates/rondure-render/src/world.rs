@@ -1,11 +1,11 @@
 //! The world that rays see: things behind trees of boxes, lights and sky.
 //!
-//! Two trees: one over all things, one over those of clear glass, through which shadow rays pass.
+//! Two trees: one over what blocks light, one over what lets it pass, clear glass and lamps.
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use rondure::{Bvh, Hit, Interaction, Ray};
+use rondure::{Bounds, Bvh, Hit, Interaction, Ray};
 use rondure_scene::{Light, Object, Scene, Shape as Described};
 
 use crate::{
@@ -48,12 +48,9 @@ pub(crate) struct World {
     pub(crate) white: f64,
     /// The most radiance that a ray can meet; at least white.
     pub(crate) brightest: f64,
-    tree: Bvh,
-    /// The things of clear glass, and the tree over their places in this list.
-    clear: Vec<u32>,
-    clear_tree: Bvh,
-    /// Whether there are things that do not block light.
-    has_passable: bool,
+    blocking: Bvh,
+    passing: Bvh,
+    has_glass: bool,
 }
 
 /// Gathers the things of a scene.
@@ -141,8 +138,6 @@ impl World {
         }
         let Builder { things, turned_roles: mut role_of, simple_roles, .. } = builder;
         role_of.extend(simple_roles);
-        let tree = Bvh::new(things.len(), |thing| things.bounds(thing))?;
-
         let finishes: Vec<_> = scene.materials.iter().map(Finish::new).collect();
         let mut roles: Vec<_> = scene
             .objects
@@ -150,21 +145,25 @@ impl World {
             .map(|object| Role::Surface { finish: object.material as u32, solid: false })
             .collect();
         roles.extend((0..scene.lights.len() as u32).map(Role::Lamp));
-        let mut clear = Vec::new();
-        let mut has_passable = false;
+        let mut has_glass = false;
         for (thing, &role) in (0..).zip(&role_of) {
-            match &mut roles[role as usize] {
-                Role::Surface { finish, solid } => {
-                    *solid = things.is_solid(thing);
-                    if finishes[*finish as usize].is_clear() {
-                        clear.push(thing);
-                        has_passable = true;
-                    }
-                }
-                Role::Lamp(_) => has_passable = true,
+            if let Role::Surface { finish, solid } = &mut roles[role as usize] {
+                *solid = things.is_solid(thing);
+                has_glass |= finishes[*finish as usize].is_clear();
             }
         }
-        let clear_tree = Bvh::new(clear.len(), |i| things.bounds(clear[i as usize]))?;
+        let blocks = |thing: u32| match roles[role_of[thing as usize] as usize] {
+            Role::Surface { finish, .. } => !finishes[finish as usize].is_clear(),
+            Role::Lamp(_) => false,
+        };
+        // What has an empty box is never met.
+        let tree = |of_blocking: bool| {
+            let bounds = |thing| {
+                if blocks(thing) == of_blocking { things.bounds(thing) } else { Bounds::EMPTY }
+            };
+            Bvh::new(things.len(), bounds)
+        };
+        let (blocking, passing) = (tree(true)?, tree(false)?);
         let lamps: Vec<_> = scene.lights.iter().map(Lamp::new).collect();
         let sky = Heaven::new(&scene.sky);
         let seen = lamps.iter().map(Lamp::radiance).chain(sky.extremes());
@@ -179,10 +178,9 @@ impl World {
             sky,
             white,
             brightest: brightest.max(white),
-            tree,
-            clear,
-            clear_tree,
-            has_passable,
+            blocking,
+            passing,
+            has_glass,
         })
     }
 
@@ -219,15 +217,17 @@ impl World {
     pub(crate) fn closest(&self, ray: &Ray) -> Option<Contact> {
         let mut best: Option<Contact> = None;
         let mut shortened = *ray;
-        self.tree.walk(ray, |thing| {
-            if let Some(hit) = self.things.closest(thing, &shortened) {
-                if best.is_none_or(|best| hit.t < best.hit.t || thing < best.thing) {
-                    best = Some(Contact { thing, hit });
+        for tree in [&self.blocking, &self.passing] {
+            tree.walk(&{ shortened }, |thing| {
+                if let Some(hit) = self.things.closest(thing, &shortened) {
+                    if best.is_none_or(|best| hit.t < best.hit.t || thing < best.thing) {
+                        best = Some(Contact { thing, hit });
+                    }
+                    shortened.t_max = hit.t;
                 }
-                shortened.t_max = hit.t;
-            }
-            shortened.t_max
-        });
+                shortened.t_max
+            });
+        }
         best
     }
 
@@ -235,20 +235,11 @@ impl World {
     #[inline]
     fn is_blocked(&self, ray: &Ray) -> bool {
         let mut blocked = false;
-        self.tree.walk(ray, |thing| {
-            let can_block = !self.has_passable || self.is_opaque(thing);
-            blocked = can_block && self.things.any(thing, ray);
+        self.blocking.walk(ray, |thing| {
+            blocked = self.things.any(thing, ray);
             if blocked { f64::NEG_INFINITY } else { ray.t_max }
         });
         blocked
-    }
-
-    #[inline]
-    fn is_opaque(&self, thing: u32) -> bool {
-        match self.role(thing) {
-            Role::Surface { finish, .. } => !self.finish(finish).is_clear(),
-            Role::Lamp(_) => false,
-        }
     }
 
     /// The share of the light that passes along the ray's range: none if something opaque is in the
@@ -259,18 +250,17 @@ impl World {
         if self.is_blocked(ray) {
             return Rgb::BLACK;
         }
-        if self.clear_tree.is_empty() {
-            return Rgb::WHITE;
-        }
-        self.clear_transmittance(ray)
+        if self.has_glass { self.clear_transmittance(ray) } else { Rgb::WHITE }
     }
 
     /// All surfaces of glass count alike, in any order: no matter how bodies overlap.
     fn clear_transmittance(&self, ray: &Ray) -> Rgb {
         // In the order of their numbers, so that sums do not depend on the tree.
         let mut met = Vec::new();
-        self.clear_tree.walk(ray, |place| {
-            met.push(place);
+        self.passing.walk(ray, |thing| {
+            if matches!(self.role(thing), Role::Surface { .. }) {
+                met.push(thing);
+            }
             ray.t_max
         });
         met.sort_unstable();
@@ -300,9 +290,7 @@ impl World {
                 }
             }
         };
-        for place in met {
-            pass(self.clear[place as usize]);
-        }
+        met.into_iter().for_each(&mut pass);
         if ray.t_max < f64::INFINITY {
             depth += open.map(|v| v.max(0.0)) * ray.t_max;
         }

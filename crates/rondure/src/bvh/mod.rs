@@ -119,6 +119,9 @@ impl Bvh {
     /// [`walk`](Self::walk) inside of a dispatch.
     #[inline(always)]
     pub(crate) fn walk_with<S: Simd>(&self, simd: S, ray: &Ray, mut visit: impl FnMut(u32) -> f64) {
+        if self.is_empty() {
+            return;
+        }
         let mut end = ray.t_max;
         for &item in &self.aside {
             end = end.min(visit(item));

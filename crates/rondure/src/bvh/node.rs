@@ -65,10 +65,12 @@ impl<S: fearless_simd::Simd> Probe<S> {
     #[inline(always)]
     pub(super) fn new(simd: S, ray: &LocalRay) -> Self {
         let splat = |x: f32| Lanes::splat(simd, x);
+        let (r, s) = (ray.reciprocal, ray.shifted);
         let [a, b, c] = ray.falling;
         Self {
-            reciprocal: ray.reciprocal.map(splat),
-            shifted: ray.shifted.map(splat),
+            // Not by `map`, which is not always inlined.
+            reciprocal: [splat(r[0]), splat(r[1]), splat(r[2])],
+            shifted: [splat(s[0]), splat(s[1]), splat(s[2])],
             first: [usize::from(a), 2 + usize::from(b), 4 + usize::from(c)],
         }
     }

@@ -168,13 +168,16 @@ impl Space {
             return None;
         }
         let origin = along(start, nearest);
-        let o = [origin.x as f32, origin.y as f32, origin.z as f32];
-        let d = [direction.x as f32, direction.y as f32, direction.z as f32];
-        let reciprocal = d.map(|d| 1.0 / if d.abs() < FLATTEST { FLATTEST.copysign(d) } else { d });
+        // Not by `map`, which is not always inlined.
+        let [x, y, z] = [
+            reciprocal(direction.x as f32),
+            reciprocal(direction.y as f32),
+            reciprocal(direction.z as f32),
+        ];
         Some(LocalRay {
-            reciprocal,
-            shifted: core::array::from_fn(|i| o[i] * reciprocal[i]),
-            falling: reciprocal.map(|r| r < 0.0),
+            reciprocal: [x, y, z],
+            shifted: [origin.x as f32 * x, origin.y as f32 * y, origin.z as f32 * z],
+            falling: [x < 0.0, y < 0.0, z < 0.0],
             end: rounded_up(end - start),
             start,
             ..local
@@ -196,6 +199,11 @@ impl LocalRay {
     pub(super) fn end_at(&self, t: f64) -> f32 {
         rounded_up(self.bound(t, 1.0).min(self.reach) - self.start).min(self.end)
     }
+}
+
+#[inline(always)]
+fn reciprocal(d: f32) -> f32 {
+    1.0 / if d.abs() < FLATTEST { FLATTEST.copysign(d) } else { d }
 }
 
 #[inline(always)]
