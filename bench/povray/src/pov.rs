@@ -57,7 +57,9 @@ pub(crate) fn write(scene: &Scene) -> Result<(String, Vec<String>), fmt::Error> 
     for object in &scene.objects {
         let Some(material) = scene.materials.get(object.material) else { continue };
         writeln!(pov.text, "\n// {}", object.name.replace(char::is_control, " "))?;
-        pov.object(&object.name, &object.shape, material)?;
+        for shape in object.shapes().flatten() {
+            pov.object(&object.name, &shape, material)?;
+        }
     }
     Ok((pov.text, pov.notes))
 }

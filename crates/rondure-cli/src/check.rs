@@ -54,13 +54,13 @@ impl Check {
 /// What is in a scene.
 struct Contents<'a> {
     scene: &'a Scene,
-    turned: usize,
+    turned: u64,
     profiles: usize,
     segments: usize,
-    planes: usize,
-    disks: usize,
-    rectangles: usize,
-    spheres: usize,
+    planes: u64,
+    disks: u64,
+    rectangles: u64,
+    spheres: u64,
 }
 
 impl<'a> Contents<'a> {
@@ -77,16 +77,17 @@ impl<'a> Contents<'a> {
         };
         let mut surfaces = Vec::new();
         for object in &scene.objects {
-            match &object.shape {
+            let number = match &object.shape {
                 Shape::Turned(instance) => {
-                    found.turned += 1;
                     surfaces.push(instance.surface());
+                    &mut found.turned
                 }
-                Shape::Plane { .. } => found.planes += 1,
-                Shape::Disk { .. } => found.disks += 1,
-                Shape::Rectangle { .. } => found.rectangles += 1,
-                Shape::Sphere { .. } => found.spheres += 1,
-            }
+                Shape::Plane { .. } => &mut found.planes,
+                Shape::Disk { .. } => &mut found.disks,
+                Shape::Rectangle { .. } => &mut found.rectangles,
+                Shape::Sphere { .. } => &mut found.spheres,
+            };
+            *number += object.copies.count();
         }
         surfaces.sort_by_key(|surface| Arc::as_ptr(surface));
         surfaces.dedup_by_key(|surface| Arc::as_ptr(surface));
@@ -116,7 +117,8 @@ impl fmt::Display for Contents<'_> {
         )?;
         let lens = if camera.lens.is_some() { ", with a lens" } else { "" };
         writeln!(f, "  camera     {projection}{lens}")?;
-        writeln!(f, "  objects    {}", objects.len())?;
+        let number: u64 = objects.iter().map(|object| object.copies.count()).sum();
+        writeln!(f, "  objects    {number}")?;
         if self.turned > 0 {
             writeln!(
                 f,

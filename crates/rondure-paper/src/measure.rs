@@ -182,7 +182,8 @@ fn scene_with(
     let picture = picture.ok_or(RenderError::Cancelled)?;
     let difference_to_exact = exact.map_or(f64::NAN, |exact| difference(&exact, &picture));
     let turned = |o: &&rondure_scene::Object| matches!(o.shape, rondure_scene::Shape::Turned(_));
-    let objects = (scene.objects.iter().filter(turned).count(), scene.surfaces().len());
+    let copies = scene.objects.iter().filter(turned).map(|o| o.copies.count());
+    let objects = (copies.sum::<u64>() as usize, scene.surfaces().len());
     Ok(Measured { name, picture, different_pictures, difference_to_exact, runs, objects })
 }
 

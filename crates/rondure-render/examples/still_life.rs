@@ -9,7 +9,9 @@ use std::{error::Error, f64::consts::PI, fs, path::PathBuf, sync::Arc, time::Ins
 
 use rondure::{Affine, Instance, Profile, Surface, Vec3};
 use rondure_render::{Settings, render};
-use rondure_scene::{Camera, Film, Light, Material, Object, Paint, Projection, Scene, Shape, Sky};
+use rondure_scene::{
+    Camera, Copies, Film, Light, Material, Object, Paint, Projection, Scene, Shape, Sky,
+};
 
 fn turned(name: &str, at: [f64; 2], scale: f64) -> Result<Shape, Box<dyn Error>> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../profiles");
@@ -66,7 +68,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("ball", Shape::Sphere { center: Vec3::new(-1.15, -0.45, 0.22), radius: 0.22 }, 2),
         ("table", Shape::Plane { point: Vec3::ZERO, normal: Vec3::Z }, 5),
     ]
-    .map(|(name, shape, material)| Object { name: name.to_owned(), shape, material });
+    .map(|(name, shape, material)| Object {
+        name: name.to_owned(),
+        shape,
+        material,
+        copies: Copies::default(),
+    });
     let scene = Scene {
         film: Film { width: 800, height: 600, spp, depth: 12, bits: 8, exposure: 1.0 },
         camera: Camera {

@@ -91,9 +91,23 @@ pub enum RenderError {
         /// How many materials there are.
         materials: usize,
     },
-    /// There are more than 2^32 objects.
-    #[error("a scene can have at most 2^32 objects and lights")]
-    TooManyObjects,
+    /// An object cannot stand where it is placed.
+    #[error("object {object:?} cannot be placed: {source}")]
+    Placement {
+        /// The object's name.
+        object: String,
+        /// Why not.
+        source: rondure::PlaceError,
+    },
+    /// The objects do not fit into memory.
+    #[error("{count} turned objects do not fit into memory; each takes some 300 bytes")]
+    OutOfMemory {
+        /// How many there are.
+        count: u64,
+    },
+    /// There are too many objects.
+    #[error("a scene can have at most 2 billion objects and lights: {0}")]
+    TooManyObjects(#[from] rondure::bvh::TooManyItems),
     /// The threads could not be started.
     #[error("cannot start the threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),

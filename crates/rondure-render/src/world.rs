@@ -1,34 +1,30 @@
-//! The world that rays see: shapes behind trees of boxes, lights and sky.
+//! The world that rays see: things behind trees of boxes, lights and sky.
 //!
-//! Three trees: one over all that the eye can see, one over what blocks light, one over clear
-//! glass, through which shadow rays pass. Planes have no box and are tested one by one.
+//! Two trees: one over what blocks light, one over what lets it pass, clear glass and lamps.
 
-use rondure::{Hit, Interaction, Ray};
-use rondure_scene::{Light, Scene};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use rondure::{Bounds, Bvh, Hit, Interaction, Ray};
+use rondure_scene::{Light, Object, Scene, Shape as Described};
 
 use crate::{
     RenderError,
-    bvh::Bvh,
     color::Rgb,
     finish::Finish,
     fresnel,
     light::{Heaven, Lamp},
-    shape::{Disk, Shape, Sphere},
+    shape::{Disk, Plane, Rectangle, Shape, Sphere},
+    things::Things,
 };
 
-/// What a shape is in the scene.
+/// What a thing is in the scene.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Role {
     /// A surface: the index of its finish, and whether it has an inside.
     Surface { finish: u32, solid: bool },
     /// The body of a lamp.
     Lamp(u32),
-}
-
-#[derive(Clone, Debug)]
-struct Thing {
-    shape: Shape,
-    role: Role,
 }
 
 /// Where a ray meets the world.
@@ -41,7 +37,10 @@ pub(crate) struct Contact {
 /// Everything that rays ask about a scene.
 #[derive(Clone, Debug)]
 pub(crate) struct World {
-    things: Vec<Thing>,
+    things: Things,
+    /// For each thing the index of its role in `roles`: those of the objects, then of the lights.
+    role_of: Vec<u32>,
+    roles: Vec<Role>,
     finishes: Vec<Finish>,
     pub(crate) lamps: Vec<Lamp>,
     pub(crate) sky: Heaven,
@@ -49,17 +48,75 @@ pub(crate) struct World {
     pub(crate) white: f64,
     /// The most radiance that a ray can meet; at least white.
     pub(crate) brightest: f64,
-    visible: Bvh,
-    opaque: Bvh,
-    clear: Bvh,
-    opaque_planes: Vec<u32>,
-    clear_planes: Vec<u32>,
+    blocking: Bvh,
+    passing: Bvh,
+    has_glass: bool,
+}
+
+/// Gathers the things of a scene.
+#[derive(Default)]
+struct Builder {
+    things: Things,
+    /// The numbers of the surfaces that are known.
+    surfaces: HashMap<*const rondure::Surface, u32>,
+    turned_roles: Vec<u32>,
+    simple_roles: Vec<u32>,
+}
+
+impl Builder {
+    fn add(&mut self, object: &Object, role: u32) -> Result<(), RenderError> {
+        let Described::Turned(instance) = &object.shape else {
+            for shape in object.shapes().flatten() {
+                let shape = match shape {
+                    Described::Turned(_) => continue,
+                    Described::Plane { point, normal } => Shape::Plane(Plane::new(point, normal)),
+                    Described::Disk { center, normal, radius } => {
+                        Shape::Disk(Disk::new(center, normal, radius))
+                    }
+                    Described::Rectangle { center, edges } => {
+                        Shape::Rectangle(Rectangle::new(center, edges))
+                    }
+                    Described::Sphere { center, radius } => {
+                        Shape::Sphere(Sphere::new(center, radius))
+                    }
+                };
+                self.add_simple(shape, role);
+            }
+            return Ok(());
+        };
+        let turned = &mut self.things.turned;
+        let surface = instance.surface();
+        let known = self.surfaces.entry(Arc::as_ptr(surface));
+        let shape = *known.or_insert_with(|| turned.add_shape(Arc::clone(surface)));
+        for motion in object.motions() {
+            turned
+                .place(shape, motion.map.after(instance.placement()))
+                .map_err(|source| RenderError::Placement { object: object.name.clone(), source })?;
+        }
+        self.turned_roles.resize(turned.len(), role);
+        Ok(())
+    }
+
+    /// Makes room for so many turned things.
+    fn reserve(&mut self, count: u64) -> Option<()> {
+        let count = usize::try_from(count).ok()?;
+        self.things.turned.try_reserve(count).ok()?;
+        self.turned_roles.try_reserve_exact(count).ok()
+    }
+
+    fn add_simple(&mut self, shape: Shape, role: u32) {
+        self.things.simple.push(shape);
+        self.simple_roles.push(role);
+    }
 }
 
 impl World {
     pub(crate) fn new(scene: &Scene) -> Result<Self, RenderError> {
-        let mut things = Vec::with_capacity(scene.objects.len() + scene.lights.len());
-        for object in &scene.objects {
+        let mut builder = Builder::default();
+        let turned = scene.objects.iter().filter(|o| matches!(o.shape, Described::Turned(_)));
+        let count = turned.map(|o| o.copies.count()).fold(0, u64::saturating_add);
+        builder.reserve(count).ok_or(RenderError::OutOfMemory { count })?;
+        for (object, role) in scene.objects.iter().zip(0..) {
             if object.material >= scene.materials.len() {
                 return Err(RenderError::NoSuchMaterial {
                     object: object.name.clone(),
@@ -67,11 +124,9 @@ impl World {
                     materials: scene.materials.len(),
                 });
             }
-            let shape = Shape::new(&object.shape);
-            let role = Role::Surface { finish: object.material as u32, solid: shape.is_solid() };
-            things.push(Thing { shape, role });
+            builder.add(object, role)?;
         }
-        for (i, light) in scene.lights.iter().enumerate() {
+        for (light, role) in scene.lights.iter().zip(scene.objects.len() as u32..) {
             let shape = match *light {
                 Light::Disk { center, normal, radius, .. } => {
                     Shape::Disk(Disk::new(center, normal, radius).one_sided())
@@ -79,54 +134,59 @@ impl World {
                 Light::Sphere { center, radius, .. } => Shape::Sphere(Sphere::new(center, radius)),
                 Light::Point { .. } | Light::Sun { .. } => continue,
             };
-            things.push(Thing { shape, role: Role::Lamp(i as u32) });
+            builder.add_simple(shape, role);
         }
-        if u32::try_from(things.len()).is_err() {
-            return Err(RenderError::TooManyObjects);
-        }
+        let Builder { things, turned_roles: mut role_of, simple_roles, .. } = builder;
+        role_of.extend(simple_roles);
         let finishes: Vec<_> = scene.materials.iter().map(Finish::new).collect();
-        let kind = |thing: &Thing| match thing.role {
-            Role::Lamp(_) => Kind::Lamp,
-            Role::Surface { finish, .. } if finishes[finish as usize].is_clear() => Kind::Clear,
-            Role::Surface { .. } => Kind::Opaque,
+        let mut roles: Vec<_> = scene
+            .objects
+            .iter()
+            .map(|object| Role::Surface { finish: object.material as u32, solid: false })
+            .collect();
+        roles.extend((0..scene.lights.len() as u32).map(Role::Lamp));
+        let mut has_glass = false;
+        for (thing, &role) in (0..).zip(&role_of) {
+            if let Role::Surface { finish, solid } = &mut roles[role as usize] {
+                *solid = things.is_solid(thing);
+                has_glass |= finishes[*finish as usize].is_clear();
+            }
+        }
+        let blocks = |thing: u32| match roles[role_of[thing as usize] as usize] {
+            Role::Surface { finish, .. } => !finishes[finish as usize].is_clear(),
+            Role::Lamp(_) => false,
         };
-        let numbered = || (0_u32..).zip(&things);
-        let tree = |accept: &dyn Fn(Kind) -> bool| {
-            Bvh::new(
-                numbered()
-                    .filter(|(_, thing)| accept(kind(thing)))
-                    .filter_map(|(i, thing)| Some((i, thing.shape.bounds()?))),
-            )
+        // What has an empty box is never met.
+        let tree = |of_blocking: bool| {
+            let bounds = |thing| {
+                if blocks(thing) == of_blocking { things.bounds(thing) } else { Bounds::EMPTY }
+            };
+            Bvh::new(things.len(), bounds)
         };
-        let planes = |wanted: Kind| {
-            numbered()
-                .filter(|(_, thing)| thing.shape.bounds().is_none() && kind(thing) == wanted)
-                .map(|(i, _)| i)
-                .collect()
-        };
+        let (blocking, passing) = (tree(true)?, tree(false)?);
         let lamps: Vec<_> = scene.lights.iter().map(Lamp::new).collect();
         let sky = Heaven::new(&scene.sky);
         let seen = lamps.iter().map(Lamp::radiance).chain(sky.extremes());
         let brightest = seen.map(Rgb::max_channel).fold(0.0, f64::max);
         let white = 1.0 / scene.film.exposure;
         Ok(Self {
+            things,
+            role_of,
+            roles,
+            finishes,
             lamps,
             sky,
             white,
             brightest: brightest.max(white),
-            visible: tree(&|_| true),
-            opaque: tree(&|kind| kind == Kind::Opaque),
-            clear: tree(&|kind| kind == Kind::Clear),
-            opaque_planes: planes(Kind::Opaque),
-            clear_planes: planes(Kind::Clear),
-            finishes,
-            things,
+            blocking,
+            passing,
+            has_glass,
         })
     }
 
     #[inline]
     pub(crate) fn role(&self, thing: u32) -> Role {
-        self.things[thing as usize].role
+        self.roles[self.role_of[thing as usize] as usize]
     }
 
     #[inline]
@@ -148,38 +208,38 @@ impl World {
 
     #[inline]
     pub(crate) fn interaction(&self, ray: &Ray, contact: &Contact) -> Interaction {
-        self.things[contact.thing as usize].shape.interaction(ray, &contact.hit)
+        self.things.interaction(contact.thing, ray, &contact.hit)
     }
 
-    /// The first thing that the ray meets.
+    /// The first thing that the ray meets; of several at the same place the one with the smallest
+    /// number.
     #[inline]
     pub(crate) fn closest(&self, ray: &Ray) -> Option<Contact> {
-        let mut ray = *ray;
-        let mut best = None;
-        for &thing in self.opaque_planes.iter().chain(&self.clear_planes) {
-            self.try_thing(thing, &mut ray, &mut best);
+        let mut best: Option<Contact> = None;
+        let mut shortened = *ray;
+        for tree in [&self.blocking, &self.passing] {
+            tree.walk(&{ shortened }, |thing| {
+                if let Some(hit) = self.things.closest(thing, &shortened) {
+                    if best.is_none_or(|best| hit.t < best.hit.t || thing < best.thing) {
+                        best = Some(Contact { thing, hit });
+                    }
+                    shortened.t_max = hit.t;
+                }
+                shortened.t_max
+            });
         }
-        self.visible.walk(&mut ray, |thing, ray| {
-            self.try_thing(thing, ray, &mut best);
-            false
-        });
         best
-    }
-
-    #[inline]
-    fn try_thing(&self, thing: u32, ray: &mut Ray, best: &mut Option<Contact>) {
-        if let Some(hit) = self.things[thing as usize].shape.closest(ray) {
-            ray.t_max = hit.t;
-            *best = Some(Contact { thing, hit });
-        }
     }
 
     /// Whether something that is not clear stands in the ray's range. Lamps never do.
     #[inline]
     fn is_blocked(&self, ray: &Ray) -> bool {
-        let blocks = |thing: u32, ray: &Ray| self.things[thing as usize].shape.any(ray);
-        self.opaque_planes.iter().any(|&plane| blocks(plane, ray))
-            || self.opaque.walk(&mut { *ray }, |thing, ray| blocks(thing, ray))
+        let mut blocked = false;
+        self.blocking.walk(ray, |thing| {
+            blocked = self.things.any(thing, ray);
+            if blocked { f64::NEG_INFINITY } else { ray.t_max }
+        });
+        blocked
     }
 
     /// The share of the light that passes along the ray's range: none if something opaque is in the
@@ -190,29 +250,34 @@ impl World {
         if self.is_blocked(ray) {
             return Rgb::BLACK;
         }
-        if self.clear.is_empty() && self.clear_planes.is_empty() {
-            return Rgb::WHITE;
-        }
-        self.clear_transmittance(ray)
+        if self.has_glass { self.clear_transmittance(ray) } else { Rgb::WHITE }
     }
 
     /// All surfaces of glass count alike, in any order: no matter how bodies overlap.
     fn clear_transmittance(&self, ray: &Ray) -> Rgb {
+        // In the order of their numbers, so that sums do not depend on the tree.
+        let mut met = Vec::new();
+        self.passing.walk(ray, |thing| {
+            if matches!(self.role(thing), Role::Surface { .. }) {
+                met.push(thing);
+            }
+            ray.t_max
+        });
+        met.sort_unstable();
         let mut passed = 1.0;
         // The optical depth is the sum of absorption times where a ray leaves less where it enters.
         let mut depth = Rgb::BLACK;
         let mut open = Rgb::BLACK;
         let mut hits = Vec::new();
         let mut pass = |thing: u32| {
-            let shape = &self.things[thing as usize].shape;
-            shape.all(ray, &mut hits);
+            self.things.all(thing, ray, &mut hits);
             if hits.is_empty() {
                 return;
             }
             let (absorption, ior) = self.glass(thing);
             let solid = matches!(self.role(thing), Role::Surface { solid: true, .. });
             for hit in &hits {
-                let cos = shape.normal(ray, hit).dot(ray.direction);
+                let cos = self.things.normal(thing, ray, hit).dot(ray.direction);
                 // Seen from the air on both sides: straight through a pane, that is the truth.
                 let reflectance = fresnel::from_air(cos.abs().min(1.0), ior);
                 if solid {
@@ -225,11 +290,7 @@ impl World {
                 }
             }
         };
-        self.clear_planes.iter().for_each(|&plane| pass(plane));
-        self.clear.walk(&mut { *ray }, |thing, _| {
-            pass(thing);
-            false
-        });
+        met.into_iter().for_each(&mut pass);
         if ray.t_max < f64::INFINITY {
             depth += open.map(|v| v.max(0.0)) * ray.t_max;
         }
@@ -237,24 +298,16 @@ impl World {
     }
 }
 
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Kind {
-    Opaque,
-    Clear,
-    Lamp,
-}
-
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;
 
     use rondure::{Affine, Instance, Profile, Surface, Vec3};
-    use rondure_scene::Shape as Described;
+    use rondure_scene::{Copies, Shape as Described};
 
     use super::*;
     use crate::{
         sampler::{Key, Sample},
-        shape::Shape,
         warp::{self, Frame},
     };
 
@@ -274,6 +327,15 @@ mod tests {
         ]
     }
 
+    /// The shape as the only thing.
+    fn alone(shape: &Described) -> Things {
+        let mut builder = Builder::default();
+        let copies = Copies::default();
+        let object = Object { name: String::new(), shape: shape.clone(), material: 0, copies };
+        builder.add(&object, 0).unwrap();
+        builder.things
+    }
+
     /// From points of convex shapes, found from near and from far away, no ray that leaves on the
     /// outside meets the shape again, however flat it leaves.
     #[test]
@@ -283,7 +345,7 @@ mod tests {
             for offset in [0.0, 1e3, 1e6] {
                 let center = Vec3::new(1.0, -0.7, 0.3) * (offset * size);
                 for described in convex_shapes(center, size) {
-                    let shape = Shape::new(&described);
+                    let shape = alone(&described);
                     for i in 0..4000 {
                         let sample = Sample::new(3, i, 0, 0, 1);
                         let distance = if i % 2 == 0 { 3.0 } else { 1e5 } * size;
@@ -291,8 +353,8 @@ mod tests {
                         let aim = warp::cap(sample.pair(Key::LENS), 2.0) * (0.9 * size);
                         let origin = center + outwards * distance;
                         let ray = Ray::new(origin, (center + aim - origin).normalized());
-                        let Some(hit) = shape.closest(&ray) else { continue };
-                        let surface = shape.interaction(&ray, &hit);
+                        let Some(hit) = shape.closest(0, &ray) else { continue };
+                        let surface = shape.interaction(0, &ray, &hit);
                         let out = if surface.normal.dot(ray.direction) > 0.0 {
                             -surface.normal
                         } else {
@@ -307,7 +369,7 @@ mod tests {
                             }
                             tried += 1;
                             assert!(
-                                !shape.any(&surface.spawn(direction)),
+                                !shape.any(0, &surface.spawn(direction)),
                                 "{described:?} {ray:?} {surface:?} {direction:?}"
                             );
                         }
@@ -324,23 +386,23 @@ mod tests {
         for size in [1e-3, 1.0, 1e4] {
             let center = Vec3::new(1.0, -0.7, 0.3) * (100.0 * size);
             for described in convex_shapes(center, size) {
-                let shape = Shape::new(&described);
-                if !shape.is_solid() {
+                let shape = alone(&described);
+                if !shape.is_solid(0) {
                     continue;
                 }
                 for i in 0..2000 {
                     let sample = Sample::new(3, i, 0, 0, 1);
                     let outwards = warp::cap(sample.pair(Key::ROOT), 2.0);
                     let ray = Ray::new(center + outwards * (4.0 * size), -outwards);
-                    let hit = shape.closest(&ray).unwrap();
-                    let surface = shape.interaction(&ray, &hit);
+                    let hit = shape.closest(0, &ray).unwrap();
+                    let surface = shape.interaction(0, &ray, &hit);
                     let up = warp::cosine_hemisphere(sample.pair(Key::FILTER));
                     let inwards = Frame::new(-surface.normal).to_world(up);
                     let inner = surface.spawn(inwards);
-                    let hit = shape.closest(&inner).unwrap();
-                    let far = shape.interaction(&inner, &hit);
+                    let hit = shape.closest(0, &inner).unwrap();
+                    let far = shape.interaction(0, &inner, &hit);
                     assert!(far.normal.dot(inwards) > 0.0, "{described:?} {i}");
-                    assert!(shape.closest(&far.spawn(inwards)).is_none(), "{described:?} {i}");
+                    assert!(shape.closest(0, &far.spawn(inwards)).is_none(), "{described:?} {i}");
                 }
             }
         }

@@ -4,6 +4,7 @@
 //! collect all that is wrong before they give up.
 
 mod color;
+mod copies;
 mod decode;
 mod diagnostic;
 mod engine;
@@ -12,6 +13,7 @@ mod model;
 mod profile;
 mod scene;
 
+pub use copies::{Area, Copies, Motion, Pattern, Series, Variation};
 pub use diagnostic::{Diagnostic, Label, Report, Severity, Source};
 pub use file::LARGEST_FILE;
 pub use model::*;

@@ -5,6 +5,8 @@
 
 use rondure::{Instance, Vec3};
 
+use crate::{Copies, Motion};
+
 /// A linear colour or a radiance: red, green, blue.
 pub type Color = [f64; 3];
 
@@ -141,15 +143,30 @@ pub enum Light {
     },
 }
 
-/// A thing in the scene.
+/// A thing in the scene, and its copies.
 #[derive(Clone, Debug)]
 pub struct Object {
     /// The name, for messages.
     pub name: String,
-    /// What shape it has.
+    /// What shape it has, and where it stands before it is copied.
     pub shape: Shape,
     /// The index of its material in [`Scene::materials`].
     pub material: usize,
+    /// Where its copies stand; it stands only there.
+    pub copies: Copies,
+}
+
+impl Object {
+    /// The motions that carry the shape to its copies.
+    pub fn motions(&self) -> impl Iterator<Item = Motion> + '_ {
+        let position = self.shape.position();
+        (0..self.copies.count()).map(move |i| self.copies.motion(i, position))
+    }
+
+    /// The copies, each as a shape of its own; `None` for one whose placement cannot be inverted.
+    pub fn shapes(&self) -> impl Iterator<Item = Option<Shape>> + '_ {
+        self.motions().map(|motion| self.shape.moved(&motion))
+    }
 }
 
 /// What shape a thing has.
@@ -187,6 +204,46 @@ pub enum Shape {
         /// The radius.
         radius: f64,
     },
+}
+
+impl Shape {
+    /// The point of the shape that its object's `position` names.
+    pub fn position(&self) -> Vec3 {
+        match *self {
+            Self::Turned(ref instance) => instance.placement().translation,
+            Self::Plane { point, .. } => point,
+            Self::Disk { center, .. }
+            | Self::Rectangle { center, .. }
+            | Self::Sphere { center, .. } => center,
+        }
+    }
+
+    /// The shape under a motion; `None` if its placement cannot be inverted any more.
+    pub fn moved(&self, &Motion { ref map, scale }: &Motion) -> Option<Self> {
+        // Unit vectors stay so: the motion stretches them by the scale.
+        let turned = |normal: Vec3| map.vector(normal) / scale;
+        Some(match *self {
+            Self::Turned(ref instance) => Self::Turned(Instance::new(
+                instance.surface().clone(),
+                map.after(instance.placement()),
+            )?),
+            Self::Plane { point, normal } => {
+                Self::Plane { point: map.point(point), normal: turned(normal) }
+            }
+            Self::Disk { center, normal, radius } => Self::Disk {
+                center: map.point(center),
+                normal: turned(normal),
+                radius: radius * scale,
+            },
+            Self::Rectangle { center, edges } => Self::Rectangle {
+                center: map.point(center),
+                edges: edges.map(|edge| map.vector(edge)),
+            },
+            Self::Sphere { center, radius } => {
+                Self::Sphere { center: map.point(center), radius: radius * scale }
+            }
+        })
+    }
 }
 
 /// What a thing is made of.

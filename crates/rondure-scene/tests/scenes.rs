@@ -61,15 +61,16 @@ fn first_example() {
     assert!((direction.length() - 1.0).abs() < 1e-15 && irradiance[0] == 2.5);
     assert!((angular_radius - 0.265_f64.to_radians()).abs() < 1e-15);
     let names: Vec<_> = scene.objects.iter().map(|o| o.name.as_str()).collect();
-    assert_eq!(names, ["object 1", "pawns #1", "pawns #2", "pawns #3"]);
-    let surfaces: Vec<_> = scene.objects[1..]
-        .iter()
-        .map(|o| match &o.shape {
-            Shape::Turned(instance) => instance.surface(),
+    assert_eq!(names, ["object 1", "pawns"]);
+    let surfaces: Vec<_> = scene.objects[1]
+        .shapes()
+        .map(|shape| match shape {
+            Some(Shape::Turned(instance)) => Arc::clone(instance.surface()),
             _ => panic!("not turned"),
         })
         .collect();
-    assert!(surfaces.iter().all(|s| Arc::ptr_eq(s, surfaces[0])), "copies share one surface");
+    assert_eq!(surfaces.len(), 3);
+    assert!(surfaces.iter().all(|s| Arc::ptr_eq(s, &surfaces[0])), "copies share one surface");
     let floor = &scene.materials[scene.objects[0].material];
     let Material::Matte { color: Paint::Checker { colors, size } } = floor else {
         panic!("no checker: {floor:?}")
@@ -84,7 +85,8 @@ fn origins(text: &str) -> Vec<Vec3> {
         Shape::Sphere { center, .. } => *center,
         _ => panic!("neither turned nor a sphere"),
     };
-    scene.objects.iter().map(|o| origin(&o.shape)).collect()
+    let shapes = scene.objects.iter().flat_map(|o| o.shapes());
+    shapes.map(|shape| origin(&shape.expect("a placement"))).collect()
 }
 
 fn assert_near(found: Vec3, expected: [f64; 3]) {
@@ -94,10 +96,24 @@ fn assert_near(found: Vec3, expected: [f64; 3]) {
 
 #[test]
 fn colonnade() {
-    let (scene, _) = parse(&format!("{START}{}", examples().last().expect("one")));
-    assert_eq!(scene.objects.len(), 200);
-    let Shape::Turned(last) = &scene.objects[199].shape else { panic!("not turned") };
+    let examples = examples();
+    let colonnade = examples.iter().find(|text| text.contains("column")).expect("one");
+    let (scene, _) = parse(&format!("{START}{colonnade}"));
+    let columns: Vec<_> = scene.objects[0].shapes().collect();
+    assert_eq!(columns.len(), 200);
+    let Some(Shape::Turned(last)) = &columns[199] else { panic!("not turned") };
     assert_eq!(last.placement().point(Vec3::ZERO), Vec3::new(2.0, 198.0, 0.0));
+}
+
+#[test]
+fn ten_million_vases() {
+    let (scene, _) = parse(&format!("{START}{}", examples().last().expect("one")));
+    let vases = &scene.objects[0];
+    assert_eq!(vases.copies.count(), 10_001_406);
+    let last = vases.copies.motion(10_001_405, vases.shape.position());
+    let place = last.map.point(vases.shape.position());
+    assert!((place - Vec3::new(1580.0, 1581.0, 0.0)).max_abs() <= 0.2);
+    assert!((0.5..=1.0).contains(&last.scale));
 }
 
 #[test]
@@ -125,6 +141,35 @@ fn copies() {
         "{sphere}at = [[0, 0, 0], [5, 0, 0]]\nrepeat = {{ count = 3, step = [0, 1, 0] }}"
     ));
     assert_eq!(both.len(), 6);
+}
+
+#[test]
+fn scattered_and_varied_copies() {
+    let sphere = "[[object]]\ntype = \"sphere\"\nradius = 1\nposition = [1, 0, 0]\n";
+    let scattered = "repeat = { count = 100, scatter = [4, 4, 0] }\n";
+    let places = origins(&format!("{sphere}{scattered}"));
+    assert_eq!(places.len(), 100);
+    assert!(places.iter().all(|p| (p.x - 1.0).abs() <= 2.0 && p.y.abs() <= 2.0 && p.z == 0.0));
+    // Another object is scattered otherwise, unless both have one seed.
+    let both = origins(&format!("{sphere}{scattered}{sphere}{scattered}"));
+    assert!(both[..100] == places && both[100..] != places);
+    let seeded = "repeat = { count = 100, scatter = 3, seed = 5 }\n";
+    let both = origins(&format!("{sphere}{seeded}{sphere}{seeded}"));
+    assert_eq!(both[..100], both[100..]);
+    // A clump in a row is always the same, a row in a clump is not.
+    let row = "{ count = 2, step = [9, 0, 0] }";
+    let clump = "{ count = 3, scatter = 1 }";
+    let clumps = origins(&format!("{sphere}repeat = [{clump}, {row}]"));
+    assert_near(clumps[1] - clumps[0], [9.0, 0.0, 0.0]);
+    let others = origins(&format!("{sphere}repeat = [{row}, {clump}]"));
+    assert!((others[3] - others[0] - Vec3::X * 9.0).max_abs() > 1e-3);
+
+    let text = format!("{START}{sphere}vary = {{ scale = [2, 3], move = [0, 0.5, 0] }}");
+    let (scene, _) = parse(&text);
+    let Some(Some(Shape::Sphere { center, radius })) = scene.objects[0].shapes().next() else {
+        panic!("no sphere")
+    };
+    assert!((2.0..=3.0).contains(&radius) && center.x == 1.0 && center.y.abs() <= 0.5);
 }
 
 fn image(object: &str, point: [f64; 3]) -> Vec3 {

@@ -16,6 +16,9 @@ impl Bounds {
     pub const EMPTY: Self =
         Self { min: Vec3::splat(f64::INFINITY), max: Vec3::splat(f64::NEG_INFINITY) };
 
+    /// The box that holds the origin alone.
+    pub(crate) const ORIGIN: Self = Self { min: Vec3::ZERO, max: Vec3::ZERO };
+
     /// The smallest box round both.
     #[inline]
     pub fn union(&self, other: &Self) -> Self {

@@ -62,6 +62,6 @@ impl Instance {
 
     /// The box round the placed surface, in the world.
     pub fn bounds(&self) -> Bounds {
-        self.surface.placed_bounds(&self.placement)
+        self.surface.placed_bounds(&self.placement, self.rounding)
     }
 }

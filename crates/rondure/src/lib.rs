@@ -2,7 +2,8 @@
 //!
 //! A [`Profile`] is swept round the z axis; the [`Surface`] built from it answers rays in f64:
 //! closest hit, any hit, all hits, and on demand the point, the normal, the parameters and the
-//! partial derivatives there. An [`Instance`] places a shared surface in the world.
+//! partial derivatives there. An [`Instance`] places a shared surface in the world; an [`Assembly`]
+//! holds up to millions of them.
 //!
 //! ```
 //! # fn main() -> Result<(), rondure::ProfileError> {
@@ -20,11 +21,14 @@
 
 mod affine;
 mod arc_length;
+mod assembly;
 mod batch;
 mod bounds;
+pub mod bvh;
 pub mod engine;
 mod frame;
 mod instance;
+mod instances;
 mod interaction;
 pub mod measure;
 mod meridian;
@@ -32,16 +36,20 @@ pub mod numeric;
 mod orientation;
 mod piece;
 pub mod profile;
+mod rings;
 mod root;
 mod shell;
 mod surface;
 mod vector;
 
 pub use affine::Affine;
+pub use assembly::{Assembly, Contact};
 pub use batch::{Hits, Rays};
 pub use bounds::Bounds;
+pub use bvh::Bvh;
 pub use engine::{EngineOptions, Method};
 pub use instance::Instance;
+pub use instances::{Instances, PlaceError, PlaceErrorKind};
 pub use interaction::Interaction;
 pub use measure::Measure;
 pub use profile::{Point, Profile, ProfileError, ProfileErrorKind, Segment, Spline};

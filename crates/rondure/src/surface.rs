@@ -14,6 +14,7 @@ use crate::numeric::gamma;
 use crate::orientation::outward_senses;
 use crate::piece::{self, Piece};
 use crate::profile::Point;
+use crate::rings::Rings;
 use crate::root;
 use crate::{Affine, Bounds, Profile, Ray, Vec3};
 
@@ -51,6 +52,7 @@ pub struct Surface {
     pub(crate) length: f64,
     r_max: f64,
     z_range: [f64; 2],
+    rings: Rings,
 }
 
 /// What belongs to a piece beside its curve.
@@ -131,6 +133,7 @@ impl Surface {
             profile: profile.clone(),
             frame: Frame::unplaced(center_z, radius),
             engine: Engine::new(&pieces, radius, options),
+            rings: Rings::new(&pieces),
             polyline,
             pieces,
             details,
@@ -240,23 +243,12 @@ impl Surface {
         Bounds { min: Vec3::new(-r, -r, low), max: Vec3::new(r, r, high) }
     }
 
-    /// The box round the surface placed in the world.
+    /// The box round the surface placed in the world, padded by its [rounding](Self::rounding).
     ///
-    /// A circle of radius r round the axis reaches along a world axis as far as the length of the
-    /// images of its two radii there; the box is that of the circles at the ends of the pieces and,
-    /// where a piece bulges, of its control points.
-    pub(crate) fn placed_bounds(&self, placement: &Affine) -> Bounds {
-        let [x, y, z] = placement.columns;
-        let reach = |i: usize| x[i].hypot(y[i]);
-        let reach = Vec3::new(reach(0), reach(1), reach(2));
-        let mut bounds = Bounds::EMPTY;
-        for piece in &self.pieces {
-            for (r, height) in piece.r.into_iter().zip(piece.z) {
-                let center = placement.translation + z * (height + self.center_z);
-                bounds = bounds.with_point(center - reach * r).with_point(center + reach * r);
-            }
-        }
-        let pad = Vec3::splat(self.rounding(placement));
+    /// The box is that of the surface's [rings](crate::rings).
+    pub(crate) fn placed_bounds(&self, placement: &Affine, rounding: f64) -> Bounds {
+        let bounds = self.rings.placed_bounds(self.center_z, placement);
+        let pad = Vec3::splat(rounding);
         Bounds { min: bounds.min - pad, max: bounds.max + pad }
     }
 
@@ -265,11 +257,16 @@ impl Surface {
     ///
     /// Each takes fewer than 16 operations on numbers that are no larger than the sums below.
     pub(crate) fn rounding(&self, placement: &Affine) -> f64 {
+        self.rounding_with(placement, placement.inverse_rows().as_ref())
+    }
+
+    /// The same, given the rows of the placement's inverse.
+    pub(crate) fn rounding_with(&self, placement: &Affine, inverse: Option<&[Vec3; 3]>) -> f64 {
         let [x, y, z] = placement.columns;
         let size = largest_stretch(placement) * self.radius;
         // The rounding of the map into the surface's frame, brought back, grows with the condition
         // of the map.
-        let condition = placement.inverse_rows().map_or(1.0, |rows| {
+        let condition = inverse.map_or(1.0, |rows| {
             let widest = rows.iter().map(|r| r.abs().dot(Vec3::splat(1.0))).fold(0.0, f64::max);
             widest * [x, y, z].iter().map(|c| c.max_abs()).fold(0.0, f64::max)
         });

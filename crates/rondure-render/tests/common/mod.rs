@@ -5,7 +5,9 @@
 
 use rondure::Vec3;
 use rondure_render::{Picture, Settings, render};
-use rondure_scene::{Camera, Film, Light, Material, Object, Paint, Projection, Scene, Shape, Sky};
+use rondure_scene::{
+    Camera, Copies, Film, Light, Material, Object, Paint, Projection, Scene, Shape, Sky,
+};
 
 pub(crate) const BLACK: Sky = Sky::Constant { color: [0.0; 3] };
 pub(crate) const WHITE: Sky = Sky::Constant { color: [1.0; 3] };
@@ -43,7 +45,8 @@ pub(crate) trait Build: Sized {
 impl Build for Scene {
     fn with(mut self, shape: Shape, material: Material) -> Self {
         let name = format!("object {}", self.objects.len());
-        self.objects.push(Object { name, shape, material: self.materials.len() });
+        let index = self.materials.len();
+        self.objects.push(Object { name, shape, material: index, copies: Copies::default() });
         self.materials.push(material);
         self
     }

@@ -6,7 +6,7 @@ use rondure::{Affine, Instance, Vec3};
 
 use super::{material::Materials, placement, shared::Profiles};
 use crate::{
-    Diagnostic, Material, Object, Shape,
+    Copies, Diagnostic, Material, Motion, Object, Shape,
     decode::{Bounds, Context, Table},
 };
 
@@ -24,7 +24,7 @@ pub(super) fn objects(
             check_name(cx, &mut names, name, span.clone());
         }
         let name = name.map_or_else(|| format!("object {}", i + 1), |(name, _)| name);
-        all.extend(object(table, &name, materials, profiles).unwrap_or_default());
+        all.extend(object(table, i + 1, name, materials, profiles));
     }
     all
 }
@@ -64,13 +64,14 @@ const KINDS: [(&str, Kind); 5] = [
     ("sphere", Kind::Sphere),
 ];
 
-/// An object and its copies.
+/// An object, the `number`-th of the scene.
 fn object(
     mut table: Table<'_>,
-    name: &str,
+    number: usize,
+    name: String,
     materials: &mut Materials,
     profiles: &mut Profiles,
-) -> Option<Vec<Object>> {
+) -> Option<Object> {
     let material = materials.find(table.get("material"));
     let kind = match table.get("type") {
         Some(v) => {
@@ -86,45 +87,52 @@ fn object(
             Kind::Turned
         }
     };
-    let copies = placement::copies(&table);
-    let shapes = match kind {
-        Kind::Turned => turned(&table, profiles, copies.as_deref()),
-        _ => flat_or_round(&table, kind)
-            .zip(copies)
-            .map(|(shape, copies)| copies.iter().map(|copy| moved(&shape, copy)).collect()),
+    let copies = placement::copies(&table, number);
+    let shape = match kind {
+        Kind::Turned => turned(&table, profiles),
+        _ => flat_or_round(&table, kind),
     };
-    if let (Some(shapes), Some(material)) = (&shapes, material) {
-        warn_about_open_glass(&table, shapes, materials.get(material));
+    if let (Some(shape), Some(copies)) = (&shape, &copies) {
+        check_sizes(&table, shape, copies);
+    }
+    if let (Some(shape), Some(material)) = (&shape, material) {
+        warn_about_open_glass(&table, shape, materials.get(material));
     }
     table.finish();
-    let (shapes, material) = (shapes?, material?);
-    let alone = shapes.len() == 1;
-    let named = |(i, shape)| {
-        let name = if alone { name.to_owned() } else { format!("{name} #{}", i + 1) };
-        Object { name, shape, material }
-    };
-    Some(shapes.into_iter().enumerate().map(named).collect())
+    Some(Object { name, shape: shape?, material: material?, copies: copies? })
 }
 
-fn turned(
-    table: &Table<'_>,
-    profiles: &mut Profiles,
-    copies: Option<&[Affine]>,
-) -> Option<Vec<Shape>> {
+fn turned(table: &Table<'_>, profiles: &mut Profiles) -> Option<Shape> {
     let surface = table.require("profile").and_then(|v| profiles.find(&v));
     let placement = placement::placement(table)?;
-    let (surface, copies) = (surface?, copies?);
-    let place = |copy: &Affine| Instance::new(surface.clone(), copy.after(&placement));
-    let shapes: Option<Vec<_>> = copies.iter().map(|c| place(c).map(Shape::Turned)).collect();
-    if shapes.is_none() {
-        let span = ["scale", "position"].iter().find_map(|key| table.key_span(key));
-        table.context().push(
-            Diagnostic::error("the placement cannot be inverted in f64 arithmetic")
-                .at(span.unwrap_or(table.span()), "")
-                .help("the object is too large, too small, too flat or too far away"),
-        );
+    let instance = Instance::new(surface?, placement);
+    if instance.is_none() {
+        report_extreme_placement(table);
     }
-    shapes
+    instance.map(Shape::Turned)
+}
+
+/// Whether the largest and the smallest copy, too, can be placed.
+fn check_sizes(table: &Table<'_>, shape: &Shape, copies: &Copies) {
+    let sizes = copies.variation.map_or([1.0; 2], |v| v.scale);
+    let position = shape.position();
+    let first = copies.motion(0, position);
+    let fits = |scale: f64| {
+        let map = first.map.after(&Affine::scale(Vec3::splat(scale / first.scale)));
+        shape.moved(&Motion { map, scale }).is_some()
+    };
+    if !sizes.into_iter().all(fits) {
+        report_extreme_placement(table);
+    }
+}
+
+fn report_extreme_placement(table: &Table<'_>) {
+    let span = ["scale", "vary", "position"].iter().find_map(|key| table.key_span(key));
+    table.context().push(
+        Diagnostic::error("the placement cannot be inverted in f64 arithmetic")
+            .at(span.unwrap_or(table.span()), "")
+            .help("the object is too large, too small, too flat or too far away"),
+    );
 }
 
 fn flat_or_round(table: &Table<'_>, kind: Kind) -> Option<Shape> {
@@ -159,27 +167,8 @@ fn flat_or_round(table: &Table<'_>, kind: Kind) -> Option<Shape> {
     }
 }
 
-/// The shape under a motion.
-fn moved(shape: &Shape, motion: &Affine) -> Shape {
-    match *shape {
-        Shape::Turned(ref instance) => Shape::Turned(instance.clone()),
-        Shape::Plane { point, normal } => {
-            Shape::Plane { point: motion.point(point), normal: motion.vector(normal) }
-        }
-        Shape::Disk { center, normal, radius } => {
-            Shape::Disk { center: motion.point(center), normal: motion.vector(normal), radius }
-        }
-        Shape::Rectangle { center, edges } => Shape::Rectangle {
-            center: motion.point(center),
-            edges: edges.map(|edge| motion.vector(edge)),
-        },
-        Shape::Sphere { center, radius } => Shape::Sphere { center: motion.point(center), radius },
-    }
-}
-
-fn warn_about_open_glass(table: &Table<'_>, shapes: &[Shape], material: Option<&Material>) {
-    let (Some(Material::Glass { .. }), Some(Shape::Turned(instance))) = (material, shapes.first())
-    else {
+fn warn_about_open_glass(table: &Table<'_>, shape: &Shape, material: Option<&Material>) {
+    let (Some(Material::Glass { .. }), Shape::Turned(instance)) = (material, shape) else {
         return;
     };
     if !instance.surface().profile().bounds_solid() {

@@ -2,86 +2,132 @@
 
 use rondure::{Affine, Vec3};
 
-use crate::decode::{Bounds, Table, Value};
+use crate::{
+    Area, Copies, Pattern, Series, Variation,
+    decode::{Bounds, Table, Value},
+};
 
 /// The most copies that one object may have.
-const MOST_COPIES: usize = 1_000_000;
+const MOST_COPIES: u32 = 100_000_000;
 
-/// The motions that carry an object to its copies; one that leaves it in place if there are none.
-pub(super) fn copies(table: &Table<'_>) -> Option<Vec<Affine>> {
-    let (at, repeat) = (table.get("at"), table.get("repeat"));
-    let moved = match &at {
-        None => Some(vec![Affine::IDENTITY]),
+/// The copies of an object, which is the `number`-th of the scene.
+pub(super) fn copies(table: &Table<'_>, number: usize) -> Option<Copies> {
+    let (at, repeat, vary) = (table.get("at"), table.get("repeat"), table.get("vary"));
+    let at = match &at {
+        None => Some(Vec::new()),
         Some(v) => {
             let items = v.items("an array of positions [x, y, z]")?;
             if items.is_empty() {
                 return v.fail("`at` has no positions, so the object is nowhere");
             }
-            let moves: Vec<_> = items.iter().map(|i| i.vector().map(Affine::translate)).collect();
-            moves.into_iter().collect::<Option<Vec<_>>>()
+            let shifts: Vec<_> = items.iter().map(Value::vector).collect();
+            shifts.into_iter().collect::<Option<Vec<_>>>()
         }
     };
-    let Some(repeat) = repeat else { return moved };
-    let series: Vec<_> = if repeat.is_array() {
-        repeat.items("an array of tables")?.iter().map(series).collect()
-    } else {
-        vec![series(&repeat)]
-    };
-    let series = series.into_iter().collect::<Option<Vec<_>>>()?;
-    let mut all = moved?;
-    for steps in series {
-        if all.len().saturating_mul(steps.len()) > MOST_COPIES {
-            return repeat.fail(format!("these are more than {MOST_COPIES} copies"));
+    let all_series: Option<Vec<_>> = match &repeat {
+        None => Some(Vec::new()),
+        Some(v) => {
+            let tables = if v.is_array() { v.items("an array of tables")? } else { vec![*v] };
+            let all: Vec<_> = tables.iter().map(|v| series(v, number)).collect();
+            all.into_iter().collect()
         }
-        all = all.iter().flat_map(|copy| steps.iter().map(|step| step.after(copy))).collect();
+    };
+    let variation = match vary {
+        None => Some(None),
+        Some(v) => variation(&v, number).map(Some),
+    };
+    let copies = Copies { at: at?, series: all_series?, variation: variation? };
+    if let Some(repeat) = repeat.filter(|_| copies.count() > u64::from(MOST_COPIES)) {
+        return repeat.fail(format!("these are more than {MOST_COPIES} copies"));
     }
-    Some(all)
+    Some(copies)
 }
 
-/// A row or a circle of copies: the i-th is i steps, or i turns, from the first.
-fn series(value: &Value<'_>) -> Option<Vec<Affine>> {
+/// A row, a ring or a scattering of copies.
+fn series(value: &Value<'_>, number: usize) -> Option<Series> {
     let table = value.table("a repetition")?;
-    let count = table.require("count").and_then(|v| v.whole(1, MOST_COPIES as u32));
-    let (step, turn) = (table.get("step"), table.get("turn"));
-    let about = table.get("about");
-    let series = match (step, turn, about) {
-        (Some(v), None, None) => count.zip(v.vector()).map(|(count, step)| {
-            (0..count).map(|i| Affine::translate(step * f64::from(i))).collect()
-        }),
-        (Some(_), _, _) => {
-            table.exclude("step", "turn").or_else(|| table.exclude("step", "about"));
-            None
-        }
-        (None, turn, about) => {
-            let center = about.map_or(Some(Vec3::ZERO), |v| v.vector());
-            let axis = table.get("axis").map_or(Some(Vec3::Z), |v| v.direction());
-            let angle = match turn {
-                Some(v) => v.number(Bounds::ANY),
-                None if table.has("about") => count.map(|n| 360.0 / f64::from(n)),
-                None => {
-                    table.missing("step");
-                    None
-                }
-            };
-            let turns = count.zip(center).zip(axis).zip(angle);
-            turns.map(|(((count, center), axis), angle)| {
-                (0..count)
-                    .map(|i| {
-                        let turn = Affine::rotate(axis, (f64::from(i) * angle).to_radians());
-                        about_point(&turn, center)
-                    })
-                    .collect()
-            })
-        }
+    let count = table.require("count").and_then(|v| v.whole(1, MOST_COPIES));
+    let (step, scatter) = (table.get("step"), table.get("scatter"));
+    let (turn, about) = (table.get("turn"), table.get("about"));
+    let kinds = [("step", "turn"), ("step", "about"), ("step", "scatter")];
+    let others = [("scatter", "turn"), ("scatter", "about")];
+    if kinds.iter().chain(&others).any(|(a, b)| table.exclude(a, b).is_some()) {
+        return None;
+    }
+    let pattern = if let Some(v) = step {
+        v.vector().map(|step| Pattern::Row { step })
+    } else if let Some(v) = scatter {
+        let seed = seed(&table, number);
+        area(&v).zip(seed).map(|(area, seed)| Pattern::Scatter { area, seed })
+    } else {
+        let center = about.map_or(Some(Vec3::ZERO), |v| v.vector());
+        let axis = table.get("axis").map_or(Some(Vec3::Z), |v| v.direction());
+        let angle = match turn {
+            Some(v) => v.number(Bounds::ANY),
+            None if table.has("about") => count.map(|n| 360.0 / f64::from(n)),
+            None => value
+                .fail("a repetition needs one of the keys `step`, `about`, `turn` and `scatter`"),
+        };
+        let ring = center.zip(axis).zip(angle);
+        ring.map(|((center, axis), angle)| Pattern::Ring { center, axis, turn: angle.to_radians() })
     };
     table.finish();
-    series
+    Some(Series { count: count?, pattern: pattern? })
 }
 
-fn about_point(map: &Affine, center: Vec3) -> Affine {
-    let back = Affine::translate(Vec3::ZERO - center);
-    Affine::translate(center).after(&map.after(&back))
+/// The size of a box, or the radius of a disk.
+fn area(value: &Value<'_>) -> Option<Area> {
+    if value.is_array() {
+        let [x, y, z] = value.numbers(Bounds::NOT_NEGATIVE)?;
+        return Some(Area::Box(Vec3::new(x, y, z)));
+    }
+    value.number(Bounds::POSITIVE).map(Area::Disk)
 }
+
+/// What chooses the random numbers; if nothing is given, others for each object.
+fn seed(table: &Table<'_>, number: usize) -> Option<u64> {
+    match table.get("seed") {
+        Some(v) => v.whole(0, u32::MAX).map(u64::from),
+        // Beyond all seeds that can be given.
+        None => Some((number as u64) << 32),
+    }
+}
+
+fn variation(value: &Value<'_>, number: usize) -> Option<Variation> {
+    let table = value.table("a variation")?;
+    let shift = match table.get("move") {
+        None => Some(Vec3::ZERO),
+        Some(v) => v.numbers(Bounds::NOT_NEGATIVE).map(|[x, y, z]| Vec3::new(x, y, z)),
+    };
+    let angle = |key, bounds| match table.get(key) {
+        None => Some(0.0),
+        Some(v) => v.number(bounds).map(f64::to_radians),
+    };
+    let (turn, tilt) = (angle("turn", HALF_TURN), angle("tilt", HALF_TURN));
+    let scale = match table.get("scale") {
+        None => Some([1.0; 2]),
+        Some(v) => {
+            let [least, most] = v.numbers(Bounds::POSITIVE)?;
+            if least > most {
+                return v
+                    .fail("`scale` is [least, most], and the least must not be the larger one");
+            }
+            Some([least, most])
+        }
+    };
+    let seed = seed(&table, number);
+    if !["move", "turn", "tilt", "scale"].iter().any(|key| table.has(key)) {
+        return value.fail_with_help(
+            "`vary` varies nothing",
+            "it needs at least one of `move`, `turn`, `tilt` and `scale`".into(),
+        );
+    }
+    table.finish();
+    Some(Variation { shift: shift?, turn: turn?, tilt: tilt?, scale: scale?, seed: seed? })
+}
+
+const HALF_TURN: Bounds =
+    Bounds::new(|x| (0.0..=180.0).contains(&x), "from 0 to 180 degrees either way");
 
 /// The map from a turned object's own frame to the world: scale, rotation, axis, position.
 pub(super) fn placement(table: &Table<'_>) -> Option<Affine> {

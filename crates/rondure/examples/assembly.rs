@@ -1,0 +1,137 @@
+//! What a ray costs in scenes of a hundred to ten million instances, as a Markdown table:
+//! `cargo run --release -p rondure --example assembly --features parallel -- [MOST]`
+//!
+//! The scene is a cubic lattice of vases of a hundred shapes, each turned, scaled and moved a little
+//! at random. Camera rays come from a pinhole outside in scanline order, random rays run from
+//! the sphere round the box to a point in the box. One thread, the best of the rounds.
+
+use std::{env, error::Error, sync::Arc, time::Instant};
+
+use rondure::{Affine, Assembly, Bounds, Instances, Profile, Ray, Surface, Vec3};
+
+const SHAPES: u32 = 100;
+const ROUNDS: usize = 5;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let most = env::args().nth(1).map_or(Ok(10_000_000), |text| text.parse())?;
+    println!(
+        "| instances | build, s | bytes each | camera, ns a ray | random, ns a ray | \
+         camera, any | random, any | camera hits | random hits |"
+    );
+    println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- |");
+    let mut count = 1;
+    while count <= most {
+        let start = Instant::now();
+        let assembly = lattice(count)?;
+        let seconds = start.elapsed().as_secs_f64();
+        let bounds = assembly.bounds();
+        let sets = [camera_rays(&bounds), random_rays(&bounds)];
+        let [camera, random] = [&sets[0], &sets[1]].map(|rays| {
+            let closest = best(rays, |ray| assembly.closest(ray).is_some());
+            (closest, best(rays, |ray| assembly.any(ray)).0)
+        });
+        println!(
+            "| {count} | {seconds:.2} | {:.0} | {:.0} | {:.0} | {:.0} | {:.0} | {:.0} % | {:.0} % |",
+            assembly.bytes() as f64 / count as f64,
+            camera.0.0,
+            random.0.0,
+            camera.1,
+            random.1,
+            camera.0.1,
+            random.0.1,
+        );
+        count *= if count == 1 { 100 } else { 10 };
+    }
+    Ok(())
+}
+
+/// Nanoseconds a ray in the best round, and how many in a hundred hit.
+fn best(rays: &[Ray], hit: impl Fn(&Ray) -> bool) -> (f64, f64) {
+    let rounds = (0..ROUNDS).map(|_| {
+        let start = Instant::now();
+        let hits = rays.iter().filter(|ray| hit(ray)).count();
+        let rays = rays.len() as f64;
+        (start.elapsed().as_secs_f64() * 1e9 / rays, 100.0 * hits as f64 / rays)
+    });
+    rounds.fold((f64::INFINITY, 0.0), |a, b| if b.0 < a.0 { b } else { a })
+}
+
+/// Numbers from 0 to 1, the same at every run.
+struct Random(u64);
+
+impl Random {
+    fn number(&mut self) -> f64 {
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn vector(&mut self) -> Vec3 {
+        Vec3::new(self.number(), self.number(), self.number())
+    }
+}
+
+/// A vase of height 1; the first is that of `profiles/vase.path`.
+fn vase(shape: u32) -> Result<Surface, Box<dyn Error>> {
+    let mut random = Random(u64::from(shape));
+    let mut radius = |mean: f64| {
+        if shape == 0 { mean } else { mean * (0.6 + 0.8 * random.number()) }
+    };
+    let [foot, belly, neck, lip] = [0.16, 0.3, 0.1, 0.18].map(&mut radius);
+    let path = format!(
+        "M 0 0 L {foot} 0 C {} 0.15 {belly} 0.25 {belly} 0.42 C {belly} 0.6 {neck} 0.65 {neck} 0.8 \
+         C {neck} 0.88 {} 0.95 {lip} 1",
+        foot + 0.05,
+        lip - 0.04
+    );
+    Ok(Surface::new(&Profile::from_path_data(&path)?))
+}
+
+fn lattice(count: usize) -> Result<Assembly, Box<dyn Error>> {
+    let mut instances = Instances::new();
+    for shape in 0..SHAPES {
+        instances.add_shape(Arc::new(vase(shape)?));
+    }
+    instances.try_reserve(count)?;
+    let mut random = Random(1);
+    let side = (count as f64).cbrt().ceil() as usize;
+    for i in 0..count {
+        let cell = [i % side, i / side % side, i / side / side].map(|c| c as f64);
+        let place = Vec3::new(cell[0], cell[1], cell[2]) + random.vector() * 0.5;
+        let axis = random.vector() - Vec3::splat(0.5);
+        let placement = Affine::translate(place)
+            .after(&Affine::rotate(axis, 6.0 * random.number()))
+            .after(&Affine::scale(Vec3::splat(0.4 + 0.6 * random.number())));
+        instances.place(i as u32 % SHAPES, placement)?;
+    }
+    Ok(Assembly::new(instances)?)
+}
+
+fn camera_rays(bounds: &Bounds) -> Vec<Ray> {
+    let (width, height) = (1024, 768);
+    let (center, radius) = (bounds.center(), 0.5 * bounds.extent().length());
+    let eye = center + Vec3::new(2.0, -1.3, 1.1).normalized() * (2.2 * radius);
+    let forward = (center - eye).normalized();
+    let right = forward.cross(Vec3::Z).normalized();
+    let up = right.cross(forward);
+    let scale = 20.0_f64.to_radians().tan() / (0.5 * f64::from(height));
+    let ray = |i: i32| {
+        let x = f64::from(i % width) + 0.5 - 0.5 * f64::from(width);
+        let y = 0.5 * f64::from(height) - f64::from(i / width) - 0.5;
+        Ray::new(eye, forward + right * (x * scale) + up * (y * scale))
+    };
+    (0..width * height).map(ray).collect()
+}
+
+fn random_rays(bounds: &Bounds) -> Vec<Ray> {
+    let mut random = Random(2);
+    let (center, extent) = (bounds.center(), bounds.extent());
+    let radius = 0.5 * extent.length();
+    let ray = |_| {
+        let origin = center + (random.vector() - Vec3::splat(0.5)).normalized() * radius;
+        let v = random.vector();
+        let target = bounds.min + Vec3::new(extent.x * v.x, extent.y * v.y, extent.z * v.z);
+        Ray::new(origin, target - origin)
+    };
+    (0..1 << 18).map(ray).collect()
+}

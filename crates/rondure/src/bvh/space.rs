@@ -1,0 +1,212 @@
+//! The tree's own coordinates, and rays in them.
+//!
+//! All boxes together are moved about their common center and divided by a power of two, so that
+//! coordinates lie in [-1, 1]; then they fit f32. A ray is first moved to where it enters the sphere
+//! round the boxes: its parameter then runs from 0 to at most 2 sqrt(3), from however far it came.
+//!
+//! What f32 rounds is made up for once, when the boxes are built, by [`PAD`] on all sides. With
+//! u = 2^-24 the unit roundoff, and every displacement measured along the axis of a slab,
+//!
+//! ```text
+//! the rounded origin, |o| < 2                                      u
+//! the rounded direction, |d| < 2, over the parameter 3.47        3.5 u
+//! t = fl(plane * r) - fl(o * r), r = fl(1 / d)                   3 u |plane| + 3 u |o| < 9.1 u
+//! the rounded plane                                                u
+//! ```
+//!
+//! together less than 15 u. A direction's coordinate below [`FLATTEST`] is raised to it, which moves
+//! the ray by less than its rounding would: no reciprocal is infinite, and no product is NaN.
+//! The f64 arithmetic that leads here errs by some 2^-50, which the rest of the padding covers.
+
+use crate::numeric::{gamma, reciprocal_power_of_two, two_diff};
+use crate::{Bounds, Ray, Vec3};
+
+/// How much larger the boxes are on all sides: 16 u.
+const PAD: f64 = 1.0 / (1 << 20) as f64;
+
+/// The smallest coordinate of a direction, u / 4.
+const FLATTEST: f32 = 1.0 / (1 << 26) as f32;
+
+/// Beyond this, sums of coordinates could overflow.
+const LARGEST: f64 = 1e300;
+
+/// A box in the tree's coordinates. The fourth lane of each corner is of no meaning.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Slabs {
+    pub(super) min: [f32; 4],
+    pub(super) max: [f32; 4],
+}
+
+impl Slabs {
+    pub(super) const EMPTY: Self = Self { min: [f32::INFINITY; 4], max: [f32::NEG_INFINITY; 4] };
+
+    #[inline(always)]
+    pub(super) fn union(&self, other: &Self) -> Self {
+        // Not `f32::min`, whose rules for NaN cost more: there are none here.
+        let smaller = |a: f32, b: f32| if a < b { a } else { b };
+        let larger = |a: f32, b: f32| if a > b { a } else { b };
+        Self {
+            min: core::array::from_fn(|i| smaller(self.min[i], other.min[i])),
+            max: core::array::from_fn(|i| larger(self.max[i], other.max[i])),
+        }
+    }
+
+    /// Half the area of the box's faces; not positive for the empty box.
+    #[inline]
+    pub(super) fn half_area(&self) -> f32 {
+        let [x, y, z] = [0, 1, 2].map(|i| (self.max[i] - self.min[i]).max(0.0));
+        x * y + y * z + z * x
+    }
+}
+
+/// Where the tree stands.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Space {
+    center: Vec3,
+    /// A power of two.
+    scale: f64,
+    /// The squared radius of the sphere round all boxes, in the tree's coordinates.
+    radius2: f64,
+}
+
+/// A ray in the tree's coordinates: its parameter runs from 0 to `end`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LocalRay {
+    /// 1 / d and o / d.
+    pub(super) reciprocal: [f32; 3],
+    pub(super) shifted: [f32; 3],
+    /// Whether the ray runs towards smaller coordinates.
+    pub(super) falling: [bool; 3],
+    pub(super) end: f32,
+    /// The local parameter is `t * scale * inverse_unit - shift - start`.
+    scale: f64,
+    inverse_unit: f64,
+    shift: f64,
+    start: f64,
+    reach: f64,
+}
+
+/// Whether a box has room in the tree.
+pub(super) fn is_bounded(bounds: &Bounds) -> bool {
+    bounds.min.max_abs() <= LARGEST && bounds.max.max_abs() <= LARGEST
+}
+
+impl Space {
+    /// The space of the boxes whose union this is.
+    pub(super) fn new(all: &Bounds) -> Self {
+        let center = all.min * 0.5 + all.max * 0.5;
+        let half = (all.max * 0.5 - all.min * 0.5).max_abs();
+        // A point has no size; a small part of its distance from the origin does as well as any.
+        let size = half.max(center.max_abs() * PAD * PAD).max(f64::MIN_POSITIVE);
+        let scale = 0.5 * reciprocal_power_of_two(size);
+        let corner = (all.max * 0.5 - all.min * 0.5) * scale + Vec3::splat(2.0 * PAD);
+        Self { center, scale, radius2: corner.length_squared() }
+    }
+
+    /// The padded box.
+    #[inline]
+    pub(super) fn slabs(&self, bounds: &Bounds) -> Slabs {
+        let min = (bounds.min - self.center) * self.scale - Vec3::splat(PAD);
+        let max = (bounds.max - self.center) * self.scale + Vec3::splat(PAD);
+        Slabs {
+            min: [min.x as f32, min.y as f32, min.z as f32, 0.0],
+            max: [max.x as f32, max.y as f32, max.z as f32, 0.0],
+        }
+    }
+
+    /// The ray in this space; `None` if it passes all boxes at a distance, runs away from them, or is
+    /// no ray. See [`crate::frame`], which does the same for a surface.
+    #[inline(always)]
+    pub(super) fn enter(&self, ray: &Ray) -> Option<LocalRay> {
+        let largest = ray.direction.max_abs();
+        if !(ray.direction.is_finite() && ray.origin.is_finite() && largest > 0.0) {
+            return None;
+        }
+        let unit = reciprocal_power_of_two(largest);
+        let direction = ray.direction * unit;
+        // The largest coordinate is at least 1, so is this; all that it is for bears its rounding.
+        let inverse2 = 1.0 / direction.length_squared();
+        let along = |t: f64, from: Vec3| {
+            Vec3::new(
+                t.mul_add(direction.x, from.x),
+                t.mul_add(direction.y, from.y),
+                t.mul_add(direction.z, from.z),
+            )
+        };
+        let (x, x_low) = two_diff(ray.origin.x, self.center.x);
+        let (y, y_low) = two_diff(ray.origin.y, self.center.y);
+        let (z, z_low) = two_diff(ray.origin.z, self.center.z);
+        let from = Vec3::new(x, y, z) * self.scale;
+        let mut shift = -from.dot(direction) * inverse2;
+        let mut nearest = along(shift, from) + Vec3::new(x_low, y_low, z_low) * self.scale;
+        let rest = -nearest.dot(direction) * inverse2;
+        if rest * rest > self.radius2 * inverse2 {
+            shift += rest;
+            nearest = along(rest, nearest);
+        }
+        let distance2 = nearest.length_squared();
+        if distance2 > self.radius2 || distance2.is_nan() {
+            return None;
+        }
+        // The move went to the nearest point only up to rounding; this much farther is enough.
+        let reach = (self.radius2 * inverse2).sqrt() * (1.0 + PAD);
+        let local = LocalRay {
+            reciprocal: [0.0; 3],
+            shifted: [0.0; 3],
+            falling: [false; 3],
+            end: 0.0,
+            scale: self.scale,
+            // A power of two between 2^-1022 and 2^1022, as its inverse is.
+            inverse_unit: 1.0 / unit,
+            shift,
+            start: 0.0,
+            reach,
+        };
+        let start = local.bound(ray.t_min, -1.0).max(-reach);
+        let end = local.bound(ray.t_max, 1.0).min(reach);
+        if start > end {
+            return None;
+        }
+        let origin = along(start, nearest);
+        // Not by `map`, which is not always inlined.
+        let [x, y, z] = [
+            reciprocal(direction.x as f32),
+            reciprocal(direction.y as f32),
+            reciprocal(direction.z as f32),
+        ];
+        Some(LocalRay {
+            reciprocal: [x, y, z],
+            shifted: [origin.x as f32 * x, origin.y as f32 * y, origin.z as f32 * z],
+            falling: [x < 0.0, y < 0.0, z < 0.0],
+            end: rounded_up(end - start),
+            start,
+            ..local
+        })
+    }
+}
+
+impl LocalRay {
+    /// The parameter at which the ray's own parameter is t, from the nearest point, moved to the
+    /// side of `sign` by as much as it, or a hit's own t, can be off.
+    #[inline(always)]
+    fn bound(&self, t: f64, sign: f64) -> f64 {
+        let t = t * self.scale * self.inverse_unit;
+        (t - self.shift) + sign * gamma(64) * (t.abs() + self.shift.abs() + self.reach)
+    }
+
+    /// The end of a ray that is cut at t.
+    #[inline(always)]
+    pub(super) fn end_at(&self, t: f64) -> f32 {
+        rounded_up(self.bound(t, 1.0).min(self.reach) - self.start).min(self.end)
+    }
+}
+
+#[inline(always)]
+fn reciprocal(d: f32) -> f32 {
+    1.0 / if d.abs() < FLATTEST { FLATTEST.copysign(d) } else { d }
+}
+
+#[inline(always)]
+fn rounded_up(x: f64) -> f32 {
+    (x as f32).next_up()
+}

@@ -1,0 +1,194 @@
+//! The assembly against all its instances one by one.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+use std::sync::Arc;
+
+use rondure::{
+    Affine, Assembly, Contact, Instance, Instances, PlaceErrorKind, Profile, Ray, Surface, Vec3,
+};
+
+const PATHS: [&str; 4] = [
+    include_str!("../../../profiles/vase.path"),
+    include_str!("../../../profiles/goblet.path"),
+    include_str!("../../../profiles/torus.path"),
+    "M 1 0 L 2 0.3",
+];
+
+/// Numbers in [-1, 1), the same at every run.
+struct Random(u64);
+
+impl Random {
+    fn number(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+
+    fn vector(&mut self) -> Vec3 {
+        Vec3::new(self.number(), self.number(), self.number())
+    }
+
+    /// Turned, stretched by 1 / `range` to `range`, every other one sheared, every third mirrored.
+    fn placement(&mut self, i: usize, range: f64, spread: f64) -> Affine {
+        let size = range.powf(self.number());
+        let mut own = Affine::scale(Vec3::new(
+            size,
+            size * (1.3 + self.number()),
+            if i.is_multiple_of(3) { -size } else { size },
+        ));
+        if i.is_multiple_of(2) {
+            own.columns[2] += self.vector() * (0.7 * size);
+        }
+        let turn = Affine::rotate(self.vector(), 4.0 * self.number());
+        let turn = if i.is_multiple_of(5) { Affine::IDENTITY } else { turn };
+        Affine::translate(self.vector() * spread).after(&turn.after(&own))
+    }
+}
+
+struct Scene {
+    assembly: Assembly,
+    alone: Vec<Instance>,
+}
+
+impl Scene {
+    fn new(random: &mut Random, count: usize, range: f64, spread: f64, center: Vec3) -> Self {
+        let surfaces =
+            PATHS.map(|path| Arc::new(Surface::new(&Profile::from_path_data(path).unwrap())));
+        let mut instances = Instances::new();
+        let shapes = surfaces.each_ref().map(|surface| instances.add_shape(Arc::clone(surface)));
+        let mut alone = Vec::new();
+        for i in 0..count {
+            let placement = Affine::translate(center).after(&random.placement(i, range, spread));
+            assert_eq!(instances.place(shapes[i % 4], placement), Ok(i as u32));
+            alone.push(Instance::new(Arc::clone(&surfaces[i % 4]), placement).unwrap());
+        }
+        Self { assembly: Assembly::new(instances).unwrap(), alone }
+    }
+
+    fn brute_force(&self, ray: &Ray) -> Vec<Contact> {
+        let mut all = Vec::new();
+        let mut own = Vec::new();
+        for (instance, placed) in (0..).zip(&self.alone) {
+            placed.all(ray, &mut own);
+            all.extend(own.iter().map(|&hit| Contact { instance, hit }));
+        }
+        all.sort_by(|a, b| {
+            let by_t = a.hit.t.total_cmp(&b.hit.t);
+            by_t.then(a.instance.cmp(&b.instance)).then(a.hit.piece.cmp(&b.hit.piece))
+        });
+        all
+    }
+
+    /// Compares all answers for a ray; returns how many hits it has.
+    fn check(&self, ray: &Ray) -> usize {
+        let expected = self.brute_force(ray);
+        let mut hits =
+            vec![Contact { instance: 99, hit: rondure::Hit { t: 0.0, piece: 0, s: 0.0 } }];
+        self.assembly.all(ray, &mut hits);
+        assert_eq!(hits, expected, "{ray:?}");
+        let closest = self.assembly.closest(ray);
+        assert_eq!(closest, expected.first().copied(), "{ray:?}");
+        assert_eq!(self.assembly.any(ray), closest.is_some(), "{ray:?}");
+        let mut many = [None];
+        self.assembly.closest_many(&[*ray], &mut many);
+        assert_eq!(many, [closest], "{ray:?}");
+        if let Some(contact) = closest {
+            let alone = &self.alone[contact.instance as usize];
+            let full = self.assembly.interaction(ray, &contact);
+            assert_eq!(full, alone.interaction(ray, &contact.hit));
+            let normal = self.assembly.instances().normal(contact.instance, ray, &contact.hit);
+            assert_eq!(normal, alone.normal(ray, &contact.hit));
+        }
+        expected.len()
+    }
+}
+
+#[test]
+fn agrees_with_all_instances_one_by_one() {
+    let mut random = Random(3);
+    let mut hits = 0;
+    for (count, range, spread, center) in [
+        (1, 1.0, 0.0, Vec3::ZERO),
+        (9, 3.0, 3.0, Vec3::ZERO),
+        (100, 1e3, 50.0, Vec3::ZERO),
+        (100, 1e3, 1e6, Vec3::ZERO),
+        (60, 3.0, 5.0, Vec3::new(1e6, -3e5, 2e6)),
+        (60, 1e3, 5.0, Vec3::new(-1e12, 1e3, 0.0)),
+        (60, 1e-3, 1e-9, Vec3::ZERO),
+    ] {
+        let scene = Scene::new(&mut random, count, range, spread, center);
+        let bounds = scene.assembly.bounds();
+        let (middle, extent) = (bounds.center(), bounds.extent());
+        for i in 0..3000_usize {
+            let v = random.vector() * 0.5;
+            let target = if i.is_multiple_of(2) {
+                middle + Vec3::new(v.x * extent.x, v.y * extent.y, v.z * extent.z)
+            } else {
+                scene.alone[i % count].bounds().center()
+            };
+            let distance = [0.0, 0.1, 1.0, 1e3, 1e6][i % 5] * extent.max_abs();
+            let mut direction = random.vector();
+            match i % 7 {
+                1 => direction.x = 0.0,
+                2 => direction = Vec3::new(0.0, -0.0, direction.z),
+                3 => direction = Vec3::new(-direction.x.abs(), -0.0, 0.0),
+                4 => direction.y *= 1e-12,
+                5 => direction.z *= 1e-300,
+                _ => {}
+            }
+            if direction.max_abs() < 1e-3 {
+                continue;
+            }
+            let ray = Ray::new(target - direction.normalized() * distance, direction);
+            hits += scene.check(&ray);
+            hits += scene.check(&Ray::line(ray.origin, direction * 1e-20));
+            hits += scene.check(&ray.with_range(-0.1 * extent.max_abs(), 0.2 * extent.max_abs()));
+        }
+    }
+    assert!(hits > 100_000, "{hits}");
+}
+
+#[test]
+fn equal_hits_belong_to_the_first_instance() {
+    let ball = Surface::new(&Profile::from_path_data("M 0 -1 A 1 1 0 0 1 0 1").unwrap());
+    let mut instances = Instances::new();
+    let ball = instances.add_shape(Arc::new(ball));
+    for _ in 0..100 {
+        instances.place(ball, Affine::IDENTITY).unwrap();
+    }
+    let assembly = Assembly::new(instances).unwrap();
+    let ray = Ray::new(Vec3::new(0.3, 0.2, -5.0), Vec3::Z);
+    assert_eq!(assembly.closest(&ray).map(|c| c.instance), Some(0));
+    let mut hits = Vec::new();
+    assembly.all(&ray, &mut hits);
+    assert_eq!(hits.len(), 200);
+    assert!(hits[..100].iter().zip(0..).all(|(c, i)| c.instance == i));
+}
+
+#[test]
+fn nothing_placed_is_nothing_hit() {
+    let nothing = Assembly::new(Instances::new()).unwrap();
+    let ray = Ray::new(Vec3::ZERO, Vec3::X);
+    assert_eq!(nothing.closest(&ray), None);
+    assert!(!nothing.any(&ray));
+}
+
+#[test]
+fn errors_tell_which_instance() {
+    let ball = Surface::new(&Profile::from_path_data("M 0 -1 A 1 1 0 0 1 0 1").unwrap());
+    let mut instances = Instances::new();
+    let ball = instances.add_shape(Arc::new(ball));
+    instances.place(ball, Affine::IDENTITY).unwrap();
+    let flat = Affine::scale(Vec3::new(1.0, 0.0, 2.0));
+    let error = instances.place(ball, flat).unwrap_err();
+    assert_eq!((error.instance, &error.kind), (1, &PlaceErrorKind::NotInvertible(flat.into())));
+    assert_eq!(
+        error.to_string(),
+        "instance 1: the placement cannot be inverted in f64 arithmetic: it carries x to (1.0, 0.0, 0.0), \
+         y to (0.0, 0.0, 0.0), z to (0.0, 0.0, 2.0) and the origin to (0.0, 0.0, 0.0); it must not be \
+         flat, and neither it nor its inverse too large"
+    );
+    let error = instances.place(5, Affine::IDENTITY).unwrap_err();
+    assert_eq!(error.to_string(), "instance 1: there is no shape 5, only 1, counted from 0");
+    assert_eq!(instances.len(), 1);
+}
