@@ -2,7 +2,8 @@
 //!
 //! A [`Profile`] is swept round the z axis; the [`Surface`] built from it answers rays in f64:
 //! closest hit, any hit, all hits, and on demand the point, the normal, the parameters and the
-//! partial derivatives there. An [`Instance`] places a shared surface in the world.
+//! partial derivatives there. An [`Instance`] places a shared surface in the world. A [`Solid`] is what
+//! a closed profile bounds: stretches of rays, inside tests.
 //!
 //! ```
 //! # fn main() -> Result<(), rondure::ProfileError> {
@@ -32,6 +33,7 @@ mod piece;
 pub mod profile;
 mod root;
 mod shell;
+pub mod solid;
 mod surface;
 mod vector;
 
@@ -41,5 +43,6 @@ pub use engine::{EngineOptions, Method};
 pub use instance::Instance;
 pub use interaction::Interaction;
 pub use profile::{Point, Profile, ProfileError, ProfileErrorKind, Segment, Spline};
+pub use solid::{FillRule, Solid};
 pub use surface::{Hit, Surface};
 pub use vector::{Ray, Vec3};

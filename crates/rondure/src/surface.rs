@@ -35,7 +35,7 @@ pub struct Hit {
 #[derive(Clone, Debug)]
 pub struct Surface {
     profile: Profile,
-    frame: Frame,
+    pub(crate) frame: Frame,
     engine: Engine,
     /// Where frusta come from, if the engine works on them.
     polyline: Option<Polyline>,
@@ -306,6 +306,24 @@ impl Surface {
             local.range[1]
         });
         hits.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.piece.cmp(&b.piece)));
+    }
+
+    /// All hits of the whole line, in no particular order, each with its step (see
+    /// [`root::crossings`]).
+    pub(crate) fn crossings_from(
+        &self,
+        frame: &Frame,
+        ray: &Ray,
+        mut report: impl FnMut(Hit, i32),
+    ) {
+        let Some(local) = frame.enter(&ray.whole()) else { return };
+        let meridian = Meridian::new(local.origin, local.direction);
+        self.engine.walk(&meridian, local.range, |piece| {
+            root::crossings(&self.pieces[piece as usize], &meridian, |s, local_t, step| {
+                report(Hit { t: local.world_t(local_t), piece, s }, step);
+            });
+            local.range[1]
+        });
     }
 
     /// All hits, from all pieces, without any shell: what every engine must agree with.
