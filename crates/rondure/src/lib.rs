@@ -3,7 +3,7 @@
 //! A [`Profile`] is swept round the z axis; the [`Surface`] built from it answers rays in f64:
 //! closest hit, any hit, all hits, and on demand the point, the normal, the parameters and the
 //! partial derivatives there. An [`Instance`] places a shared surface in the world. A [`Solid`] is what
-//! a closed profile bounds: stretches of rays, inside tests.
+//! a closed profile bounds: stretches of rays, inside tests, signed distances.
 //!
 //! ```
 //! # fn main() -> Result<(), rondure::ProfileError> {

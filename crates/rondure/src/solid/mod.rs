@@ -8,18 +8,23 @@
 //!
 //! The rules that decide what is inside stand in `docs/solids.md`.
 
+mod nearest;
 mod outline;
+mod skin;
 mod span;
+mod stretch;
 
 pub use span::{Boundary, Span, Wall};
 
 use core::fmt;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use crate::frame::Frame;
 use crate::interaction::{Interaction, interaction, normal};
-use crate::{Affine, Bounds, Point, Profile, Ray, Surface, Vec3};
+use crate::{Affine, Bounds, Hit, Point, Profile, Ray, Surface, Vec3};
+use nearest::Best;
 use outline::Outline;
+use skin::Skin;
 use span::{Coincidence, Crossing, append_spans};
 
 /// What is inside where a profile crosses itself or has several subpaths, as SVG's `fill-rule` has it.
@@ -80,6 +85,26 @@ pub struct Solid {
     surface: Arc<Surface>,
     rule: FillRule,
     outline: Outline,
+    /// Made when a distance is first asked for.
+    skin: OnceLock<Skin>,
+}
+
+/// The point of a solid's surface nearest to some point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Nearest {
+    /// The distance, negative inside.
+    pub distance: f64,
+    /// The nearest point. Seen from the axis all points of a circle are equally near; it is the one in
+    /// the direction of x. Of several others it is any.
+    pub point: Vec3,
+    /// The unit normal there, out of the solid; at an edge of the solid, that of one of its sides.
+    pub normal: Vec3,
+    /// The segment of the profile, counted over all subpaths.
+    pub segment: usize,
+    /// The piece of the profile and the parameter on it, from 0 to 1.
+    pub piece: u32,
+    /// See `piece`.
+    pub s: f64,
 }
 
 impl Solid {
@@ -102,8 +127,9 @@ impl Solid {
         if let Some((subpath, open)) = subpaths.find(|(_, s)| !s.bounds_solid()) {
             return Err(SolidError::Open { subpath, ends: [open.start(), open.end()] });
         }
-        let outline = Outline::new(&surface.pieces);
-        Ok(Self { surface, rule, outline })
+        let ends: Vec<_> = surface.pieces.iter().map(|p| [p.start(), p.end()]).collect();
+        let outline = Outline::new(&ends);
+        Ok(Self { surface, rule, outline, skin: OnceLock::new() })
     }
 
     /// The surface that bounds the solid.
@@ -178,6 +204,65 @@ impl Solid {
     /// the last place of the solid's size, may go either way; points that are not finite are outside.
     pub fn contains(&self, point: Vec3) -> bool {
         self.contains_own(self.own(point))
+    }
+
+    /// The signed distance from a point to the surface of the solid, negative inside: what
+    /// [`nearest`](Self::nearest) finds. Infinite if the solid is empty, NaN if the point is.
+    pub fn distance(&self, point: Vec3) -> f64 {
+        match self.nearest(point) {
+            Some(nearest) => nearest.distance,
+            None if point.is_finite() => f64::INFINITY,
+            None => f64::NAN,
+        }
+    }
+
+    /// The nearest point of the solid's surface; `None` if the solid is empty, as a face drawn back and
+    /// forth is, or the point is not finite.
+    ///
+    /// The distance is exact to rounding: within 64 u of the larger of the solid's size and the
+    /// distance itself. Parts of the profile that lie within the solid, where it crosses itself, are no
+    /// surface. The first call looks for them.
+    pub fn nearest(&self, point: Vec3) -> Option<Nearest> {
+        let (surface, pieces) = (&*self.surface, &self.surface.pieces);
+        let own = self.own(point);
+        if !own.is_finite() {
+            return None;
+        }
+        let inside = |p: Point| self.rule.is_inside(self.outline.winding(pieces, p));
+        let skin =
+            self.skin.get_or_init(|| Skin::new(pieces, &self.outline, surface.radius, inside));
+        let tree = skin.tree.as_ref()?;
+        let q = Point::new(own.x.hypot(own.y), own.z);
+        let Best { distance, piece, s } =
+            nearest::nearest(pieces, |edge| skin.edges[edge], tree, q, surface.radius);
+        let hit = Hit { t: 0.0, piece, s };
+        let (curve, at) = (&pieces[piece as usize], pieces[piece as usize].jet(s));
+        let (at, mut tangent) = (at.point, at.tangent);
+        if tangent == Point::default() {
+            tangent = curve.end() - curve.start();
+        }
+        let speed = tangent.length();
+        let right = Point::new(tangent.z / speed, -tangent.r / speed);
+        let is_inside = inside(q);
+        // The way to the point tells the side, unless it is nothing but rounding.
+        let aside = 16.0 * nearest::rounding(surface.radius, 0.0);
+        let to_right = (q.r - at.r) * right.r + (q.z - at.z) * right.z;
+        let outside_right = if to_right.abs() > aside {
+            (to_right > 0.0) != is_inside
+        } else {
+            let beside = at + right * aside;
+            !inside(Point { r: beside.r.max(0.0), ..beside })
+        };
+        let normal = if outside_right { right } else { right * -1.0 };
+        let [cos, sin] = if q.r > 0.0 { [own.x / q.r, own.y / q.r] } else { [1.0, 0.0] };
+        Some(Nearest {
+            distance: if is_inside { -distance } else { distance },
+            point: Vec3::new(at.r * cos, at.r * sin, at.z + surface.center_z),
+            normal: Vec3::new(normal.r * cos, normal.r * sin, normal.z),
+            segment: surface.segment(&hit),
+            piece,
+            s,
+        })
     }
 
     /// The point relative to the surface's centre.

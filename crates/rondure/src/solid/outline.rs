@@ -10,9 +10,14 @@
 //! ends alone, whatever it does between them. So the search goes down only to the pieces whose box
 //! holds the point, or lies about its height with the run not joined.
 
+use arrayvec::ArrayVec;
+
 use crate::piece::{Kind, Piece};
 use crate::profile::Point;
 use crate::root::bracketed_root;
+
+/// More than the nodes that wait while a tree over 2^32 curves is searched.
+pub(super) const DEEPEST: usize = 64;
 
 /// The tree, in depth-first order: the first child of a node is the next node.
 #[derive(Clone, Debug)]
@@ -34,9 +39,11 @@ pub(super) struct Node {
 }
 
 impl Outline {
-    pub(super) fn new(pieces: &[Piece]) -> Self {
-        let mut nodes = Vec::with_capacity(2 * pieces.len());
-        build(pieces, 0, pieces.len(), &mut nodes);
+    /// The tree over curves that are given by their ends and turn neither in r nor in z; there must
+    /// be one at least.
+    pub(super) fn new(curves: &[[Point; 2]]) -> Self {
+        let mut nodes = Vec::with_capacity(2 * curves.len());
+        build(curves, 0, curves.len(), &mut nodes);
         Self { nodes }
     }
 
@@ -44,7 +51,8 @@ impl Outline {
     /// outline was built from.
     pub(super) fn winding(&self, pieces: &[Piece], p: Point) -> i32 {
         let mut winding = 0;
-        let mut waiting = vec![0_u32];
+        let mut waiting = ArrayVec::<u32, DEEPEST>::new();
+        waiting.push(0);
         while let Some(i) = waiting.pop() {
             let node = &self.nodes[i as usize];
             let beside = node.low.z <= p.z && p.z < node.high.z && p.r < node.high.r;
@@ -66,9 +74,9 @@ impl Outline {
     }
 }
 
-fn build(pieces: &[Piece], first: usize, end: usize, nodes: &mut Vec<Node>) {
-    let run = &pieces[first..end];
-    let ends = || run.iter().flat_map(|p| [p.start(), p.end()]);
+fn build(curves: &[[Point; 2]], first: usize, end: usize, nodes: &mut Vec<Node>) {
+    let run = &curves[first..end];
+    let ends = || run.iter().flatten().copied();
     let fold =
         |init: f64, f: fn(f64, f64) -> f64, of: fn(Point) -> f64| ends().map(of).fold(init, f);
     let node = nodes.len();
@@ -84,13 +92,13 @@ fn build(pieces: &[Piece], first: usize, end: usize, nodes: &mut Vec<Node>) {
         first: first as u32,
         count: (end - first) as u32,
         second: 0,
-        joined: run.windows(2).all(|pair| pair[0].end() == pair[1].start()),
+        joined: run.windows(2).all(|pair| pair[0][1] == pair[1][0]),
     });
     if run.len() > 1 {
         let middle = first + run.len() / 2;
-        build(pieces, first, middle, nodes);
+        build(curves, first, middle, nodes);
         nodes[node].second = nodes.len() as u32;
-        build(pieces, middle, end, nodes);
+        build(curves, middle, end, nodes);
     }
 }
 
