@@ -247,23 +247,10 @@ impl Surface {
         Bounds { min: bounds.min - pad, max: bounds.max + pad }
     }
 
-    /// How far off the placed surface rounding can move a computed point of it, and how far off a
-    /// ray's true course it can move the ray in the surface's frame, taken back to the world.
-    ///
-    /// Each takes fewer than 16 operations on numbers that are no larger than the sums below.
+    /// How far off the placed surface rounding can move a computed point of it; see
+    /// [`placed_rounding`].
     pub(crate) fn rounding(&self, placement: &Affine) -> f64 {
-        let [x, y, z] = placement.columns;
-        let size = largest_stretch(placement) * self.radius;
-        // The rounding of the map into the surface's frame, brought back, grows with the condition
-        // of the map.
-        let condition = placement.inverse_rows().map_or(1.0, |rows| {
-            let widest = rows.iter().map(|r| r.abs().dot(Vec3::splat(1.0))).fold(0.0, f64::max);
-            widest * [x, y, z].iter().map(|c| c.max_abs()).fold(0.0, f64::max)
-        });
-        let center = placement.point(Vec3::new(0.0, 0.0, self.center_z));
-        let world =
-            placement.translation.max_abs() + (z * self.center_z).max_abs() + center.max_abs();
-        gamma(16) * (size * (1.0 + condition) + world)
+        placed_rounding(placement, Vec3::new(0.0, 0.0, self.center_z), self.radius)
     }
 
     #[inline]
@@ -355,6 +342,26 @@ impl Surface {
             }
         });
     }
+}
+
+/// How far off a placed surface rounding can move a computed point of it, and how far off a ray's true
+/// course it can move the ray in the surface's frame, taken back to the world. The surface lies within
+/// `radius` of `center` in its own frame.
+///
+/// Each takes fewer than 16 operations on numbers that are no larger than the sums below.
+pub(crate) fn placed_rounding(placement: &Affine, center: Vec3, radius: f64) -> f64 {
+    let [x, y, z] = placement.columns;
+    let size = largest_stretch(placement) * radius;
+    // The rounding of the map into the surface's frame, brought back, grows with the condition of the
+    // map.
+    let condition = placement.inverse_rows().map_or(1.0, |rows| {
+        let widest = rows.iter().map(|r| r.abs().dot(Vec3::splat(1.0))).fold(0.0, f64::max);
+        widest * [x, y, z].iter().map(|c| c.max_abs()).fold(0.0, f64::max)
+    });
+    let world = placement.translation.max_abs()
+        + placement.vector(center).max_abs()
+        + placement.point(center).max_abs();
+    gamma(16) * (size * (1.0 + condition) + world)
 }
 
 /// Halves a curved piece for the leaves of the tree.

@@ -4,16 +4,19 @@
 //! Ray -> crossings (hit, step) -> winding number -> fill rule -> spans       span.rs
 //! point -> half plane -> winding number -> fill rule -> inside               outline.rs
 //!                     -> nearest piece -> nearest point -> signed distance   nearest.rs
+//! many solids, a formula -> their boundaries together -> spans              csg/
 //! ```
 //!
 //! The rules that decide what is inside stand in `docs/solids.md`.
 
+mod csg;
 mod nearest;
 mod outline;
 mod skin;
 mod span;
 mod stretch;
 
+pub use csg::{Compound, Csg, CsgError, Face, Primitive};
 pub use span::{Boundary, Span, Wall};
 
 use core::fmt;
@@ -127,9 +130,23 @@ impl Solid {
         if let Some((subpath, open)) = subpaths.find(|(_, s)| !s.bounds_solid()) {
             return Err(SolidError::Open { subpath, ends: [open.start(), open.end()] });
         }
+        Ok(Self::bounded_by(surface, rule))
+    }
+
+    /// The ball of radius 1 about the origin, made once.
+    pub(crate) fn unit_ball() -> Arc<Self> {
+        static BALL: OnceLock<Arc<Solid>> = OnceLock::new();
+        let make = || {
+            let surface = Surface::new(&Profile::half_circle());
+            Arc::new(Self::bounded_by(Arc::new(surface), FillRule::NonZero))
+        };
+        Arc::clone(BALL.get_or_init(make))
+    }
+
+    fn bounded_by(surface: Arc<Surface>, rule: FillRule) -> Self {
         let ends: Vec<_> = surface.pieces.iter().map(|p| [p.start(), p.end()]).collect();
         let outline = Outline::new(&ends);
-        Ok(Self { surface, rule, outline, skin: OnceLock::new() })
+        Self { surface, rule, outline, skin: OnceLock::new() }
     }
 
     /// The surface that bounds the solid.
@@ -174,8 +191,9 @@ impl Solid {
         let sine = |c: &Crossing| {
             coincidence.sine(normal(&self.surface, frame, ray, &c.hit), ray.direction)
         };
-        let coincide =
-            |a: &Crossing, b: &Crossing| coincidence.holds(a.hit.t, b.hit.t, || [sine(a), sine(b)]);
+        let coincide = |a: &Crossing, b: &Crossing| {
+            coincidence.holds(a.hit.t, b.hit.t, 0.0, || [sine(a), sine(b)])
+        };
         append_spans(&mut crossings, self.rule, coincide, [ray.t_min, ray.t_max], spans);
     }
 
@@ -196,8 +214,12 @@ impl Solid {
         wall: &Wall,
     ) -> Interaction {
         let at = interaction(&self.surface, frame, placement, rounding, ray, &wall.hit);
-        let sense = self.surface.curve_at(&wall.hit).1.sense;
-        Interaction { normal: at.normal * (sense * f64::from(wall.outside)), ..at }
+        Interaction { normal: at.normal * self.outward(wall), ..at }
+    }
+
+    /// 1 if the surface's normal points out of the solid at a wall, otherwise -1.
+    pub(crate) fn outward(&self, wall: &Wall) -> f64 {
+        self.surface.curve_at(&wall.hit).1.sense * f64::from(wall.outside)
     }
 
     /// Whether a point lies inside the solid. Points within rounding of the surface, a few units in

@@ -138,15 +138,23 @@ impl Coincidence {
         Self { off, speed: (direction * scale).length() / scale }
     }
 
-    /// Whether two hits at t_a <= t_b may lie at the same place; `sines` tells the sine of either.
+    /// Whether two hits at t_a <= t_b may lie at the same place; `more` is what is to be added to the
+    /// bound on rounding, `sines` tells the sine of either.
     #[inline]
-    pub(crate) fn holds(&self, t_a: f64, t_b: f64, sines: impl FnOnce() -> [f64; 2]) -> bool {
+    pub(crate) fn holds(
+        &self,
+        t_a: f64,
+        t_b: f64,
+        more: f64,
+        sines: impl FnOnce() -> [f64; 2],
+    ) -> bool {
+        let off = self.off + more;
         let apart = (t_b - t_a - gamma(4) * t_a.abs().max(t_b.abs())) * self.speed;
-        if apart <= 0.0 || apart > GRAZING * self.off {
+        if apart <= 0.0 || apart > GRAZING * off {
             return apart <= 0.0;
         }
         let [a, b] = sines();
-        apart * a.max(b) <= 4.0 * self.off
+        apart * a.max(b) <= 4.0 * off
     }
 
     /// The sine of the incidence on a surface with this unit normal.
