@@ -15,9 +15,11 @@ mod outline;
 mod skin;
 mod span;
 mod stretch;
+mod sweep;
 
 pub use csg::{Compound, Csg, CsgError, Face, Primitive};
 pub use span::{Boundary, Span, Wall};
+pub use sweep::{OpenSweep, Sweep};
 
 use core::fmt;
 use std::sync::{Arc, OnceLock};
@@ -51,7 +53,7 @@ impl FillRule {
     }
 }
 
-/// Why a profile bounds no solid.
+/// Why a profile bounds no solid, or a sweep is none.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum SolidError {
@@ -61,6 +63,15 @@ pub enum SolidError {
         subpath: usize,
         /// Its two ends.
         ends: [Point; 2],
+    },
+    /// A sweep that runs backwards, nowhere, or more than a whole turn.
+    Sweep {
+        /// The first angle.
+        from: f64,
+        /// The last angle.
+        to: f64,
+        /// A whole turn, in the unit of the angles.
+        turn: f64,
     },
 }
 
@@ -72,6 +83,11 @@ impl fmt::Display for SolidError {
                 "subpath {subpath} bounds no solid: it runs from (r = {}, z = {}) to (r = {}, z = {}); \
                  close it, let both ends lie on the axis, or cap it",
                 a.r, a.z, b.r, b.z
+            ),
+            Self::Sweep { from, to, turn } => write!(
+                f,
+                "the sweep runs from {from} to {to}; the second angle must be larger than the first, by \
+                 at most a whole turn, {turn}"
             ),
         }
     }
