@@ -7,9 +7,8 @@ use rondure_oracle::{
     Oracle, Random,
     closed_form::Solid as Equation,
     profiles::{SOLIDS, STANDARD, standard},
+    solids::RULES,
 };
-
-const RULES: [FillRule; 2] = [FillRule::NonZero, FillRule::EvenOdd];
 
 /// What the documentation promises, in units of the larger of the solid's size and the distance; the
 /// closed forms below have roundings of their own.

@@ -7,9 +7,8 @@ use rondure_oracle::{
     Oracle, Random,
     closed_form::Solid as Equation,
     profiles::{SOLIDS, STANDARD, standard},
+    solids::{RULES, corners_differ},
 };
-
-const RULES: [FillRule; 2] = [FillRule::NonZero, FillRule::EvenOdd];
 
 fn solid(path: &str, rule: FillRule) -> Solid {
     Solid::new(&Profile::from_path_data(path).unwrap(), rule).unwrap()
@@ -105,18 +104,6 @@ fn spans_lie_between_the_hits_of_the_equation() {
     }
 }
 
-/// Whether all of a span is nearer than rounding to the surface, so that its middle may go either way.
-fn is_thin(solid: &Solid, size: f64, ray: &Ray, middle: f64) -> bool {
-    let p = ray.at(middle);
-    // The surface passes within rounding of the middle: the sides of a small cube differ.
-    let reach = 1e-12 * size;
-    let corner = |i: usize| {
-        let side = |bit: usize| if i & bit == 0 { -reach } else { reach };
-        solid.contains(p + Vec3::new(side(1), side(2), side(4)))
-    };
-    (1..8).any(|i| corner(i) != corner(0))
-}
-
 #[test]
 fn the_middle_of_a_span_is_inside_and_that_of_a_gap_is_not() {
     let (mut middles, mut thin) = (0, 0);
@@ -126,7 +113,10 @@ fn the_middle_of_a_span_is_inside_and_that_of_a_gap_is_not() {
             let middle = 0.5 * (from + to);
             middles += 1;
             if solid.contains(ray.at(middle)) != inside {
-                assert!(is_thin(solid, size, ray, middle), "{name} {ray:?} {from} {to} {inside}");
+                assert!(
+                    corners_differ(solid, ray.at(middle), 1e-12 * size),
+                    "{name} {ray:?} {from} {to} {inside}"
+                );
                 thin += 1;
             }
         };

@@ -203,12 +203,12 @@ impl Solid {
     ) {
         let mut crossings = Vec::new();
         self.surface.crossings_from(frame, ray, |hit, step| crossings.push(Crossing { hit, step }));
-        let coincidence = Coincidence::new(off, ray.direction);
+        let coincidence = Coincidence::new(ray.direction);
         let sine = |c: &Crossing| {
             coincidence.sine(normal(&self.surface, frame, ray, &c.hit), ray.direction)
         };
         let coincide = |a: &Crossing, b: &Crossing| {
-            coincidence.holds(a.hit.t, b.hit.t, 0.0, || [sine(a), sine(b)])
+            coincidence.holds(a.hit.t, b.hit.t, off, || [sine(a), sine(b)])
         };
         append_spans(&mut crossings, self.rule, coincide, [ray.t_min, ray.t_max], spans);
     }

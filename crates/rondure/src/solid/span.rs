@@ -116,13 +116,12 @@ impl<W> Clip<W> {
 
 /// How far apart the parameters of two hits may be found that lie at the same place.
 ///
-/// A computed surface and a computed ray are off by no more than `off` each, and what moves the surface
-/// by that along its normal moves a hit by that over the sine of its incidence. Faces that coincide
-/// have the same sine; of two that do not, the larger one says whether the hits can be told apart.
+/// Where a computed surface and a computed ray are off by no more than `off` each, what moves the
+/// surface by that along its normal moves a hit by that over the sine of its incidence. Faces that
+/// coincide have the same sine; of two that do not, the larger one says whether the hits can be told
+/// apart.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Coincidence {
-    /// A bound on the rounding of a surface and of a ray's course, as a length.
-    off: f64,
     /// The length of the ray's direction.
     speed: f64,
 }
@@ -132,23 +131,22 @@ pub(crate) struct Coincidence {
 const GRAZING: f64 = 1e10;
 
 impl Coincidence {
-    pub(crate) fn new(off: f64, direction: Vec3) -> Self {
+    pub(crate) fn new(direction: Vec3) -> Self {
         // The length, from coordinates brought near 1.
         let scale = reciprocal_power_of_two(direction.max_abs());
-        Self { off, speed: (direction * scale).length() / scale }
+        Self { speed: (direction * scale).length() / scale }
     }
 
-    /// Whether two hits at t_a <= t_b may lie at the same place; `more` is what is to be added to the
-    /// bound on rounding, `sines` tells the sine of either.
+    /// Whether two hits at t_a <= t_b may lie at the same place. `off` bounds the rounding of either
+    /// surface, and of the ray beside it, as a length; `sines` tells the sine of either incidence.
     #[inline]
     pub(crate) fn holds(
         &self,
         t_a: f64,
         t_b: f64,
-        more: f64,
+        off: f64,
         sines: impl FnOnce() -> [f64; 2],
     ) -> bool {
-        let off = self.off + more;
         let apart = (t_b - t_a - gamma(4) * t_a.abs().max(t_b.abs())) * self.speed;
         if apart <= 0.0 || apart > GRAZING * off {
             return apart <= 0.0;

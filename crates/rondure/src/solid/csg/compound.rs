@@ -5,7 +5,6 @@ use super::leaf::{Leaf, Toggle};
 use super::{Csg, CsgError};
 use crate::frame::Frame;
 use crate::interaction::Interaction;
-use crate::numeric::gamma;
 use crate::solid::span::{Clip, Coincidence};
 use crate::solid::{Boundary, Span};
 use crate::{Affine, Bounds, Ray, Vec3};
@@ -15,8 +14,6 @@ use crate::{Affine, Bounds, Ray, Vec3};
 pub struct Compound {
     leaves: Vec<Leaf>,
     formula: Formula,
-    /// The largest rounding of a leaf.
-    rounding: f64,
     bounds: Bounds,
     /// The sphere round the bounds; `None` if they are infinite.
     sphere: Option<Frame>,
@@ -53,23 +50,14 @@ impl Compound {
         let mut next = 0;
         join(csg, &mut next, &mut formula)?;
         let bounds = bounds(csg, &mut leaves.iter());
-        // Planes are as exact as the coordinates that they are asked at.
-        let finite = |x: f64| if x.is_finite() { x.abs() } else { 0.0 };
-        let reach = |b: &Bounds| {
-            let corners = [b.min, b.max];
-            corners
-                .map(|v| finite(v.x).max(finite(v.y)).max(finite(v.z)))
-                .into_iter()
-                .fold(0.0, f64::max)
-        };
-        let reach = leaves.iter().map(|l| reach(&l.bounds)).fold(0.0, f64::max);
-        let rounding = leaves.iter().map(|l| l.rounding).fold(gamma(16) * reach, f64::max);
+        // Rays are dropped only where no leaf could see them inside.
+        let rounding = leaves.iter().map(|l| l.rounding).fold(0.0, f64::max);
         let center = bounds.center();
         let radius = 0.5 * bounds.extent().length() + rounding;
         let sphere = (bounds.min.is_finite() && bounds.max.is_finite() && radius.is_finite())
             .then(|| Frame::placed(0.0, radius, &Affine::translate(center)))
             .flatten();
-        Ok(Self { leaves, formula, rounding, bounds, sphere })
+        Ok(Self { leaves, formula, bounds, sphere })
     }
 
     /// A box round the solid; infinite if a half space leaves it open. It may be larger than needed.
@@ -105,22 +93,42 @@ impl Compound {
         if self.formula.value(&state) {
             clip.enter = Some(Boundary { t: f64::NEG_INFINITY, wall: None });
         }
-        let coincidence = Coincidence::new(self.rounding, ray.direction);
-        let sine = |a: &Toggle| {
-            let normal = self.leaves[a.leaf as usize].normal(ray, &a.place);
-            coincidence.sine(normal, ray.direction)
-        };
-        let together = |a: &Toggle, b: &Toggle| {
-            let off = a.place.rounding().max(b.place.rounding());
-            a.leaf != b.leaf && coincidence.holds(a.t, b.t, off, || [sine(a), sine(b)])
-        };
-        for group in toggles.chunk_by(together) {
+        let mut rest = &toggles[..];
+        while !rest.is_empty() {
+            let (group, others) = rest.split_at(self.together(ray, rest));
+            rest = others;
             if let Some((toggle, enters)) = self.change(&mut state, group) {
                 let face = Face { flipped: toggle.enters != enters, toggle };
                 clip.boundary(Boundary { t: toggle.t, wall: Some(face) }, enters, spans);
             }
         }
         clip.finish(spans);
+    }
+
+    /// How many of the first toggles come together: those at the same t, and those at the next t as
+    /// long as any two, one of either, may lie at the same place.
+    fn together(&self, ray: &Ray, toggles: &[Toggle]) -> usize {
+        let coincidence = Coincidence::new(ray.direction);
+        let sine = |a: &Toggle| {
+            let normal = self.leaves[a.leaf as usize].normal(ray, &a.place);
+            coincidence.sine(normal, ray.direction)
+        };
+        let off = |a: &Toggle| self.leaves[a.leaf as usize].rounding + a.place.rounding();
+        let meet = |a: &Toggle, b: &Toggle| {
+            coincidence.holds(a.t, b.t, off(a).max(off(b)), || [sine(a), sine(b)])
+        };
+        let mut ties = toggles.chunk_by(|a, b| a.t == b.t).peekable();
+        let mut count = 0;
+        while let Some(here) = ties.next() {
+            count += here.len();
+            let goes_on = ties
+                .peek()
+                .is_some_and(|next| here.iter().any(|a| next.iter().any(|b| meet(a, b))));
+            if !goes_on {
+                break;
+            }
+        }
+        count
     }
 
     /// Makes changes that come together. If the whole solid changes with them: the one that its

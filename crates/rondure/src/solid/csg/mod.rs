@@ -6,8 +6,8 @@
 //! ```
 //!
 //! All leaves of an expression are looked at together, whatever its shape: what is inside is a formula
-//! in the leaves, read between their boundaries. So the laws of sets hold exactly: two expressions
-//! that are equal as sets have the same spans. Boundaries of different leaves that rounding cannot tell
+//! in the leaves, read between their boundaries. So the laws of sets hold exactly: two expressions in
+//! the same primitives that are equal as sets have the same spans. Boundaries that rounding cannot tell
 //! apart change together; `docs/solids.md` has the rules.
 
 mod compound;
