@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use rondure::{
-    Affine, Bounds, FillRule, Hit, Profile, Ray, Solid, Vec3,
+    Affine, Bounds, EngineOptions, FillRule, Hit, Method, Profile, Ray, Solid, Surface, Vec3,
     solid::{Compound, Csg, Face, Span},
 };
 
@@ -30,6 +30,12 @@ pub fn known<T, E: std::fmt::Display>(made: Result<T, E>) -> T {
     }
 }
 
+/// The surface on the scalar exact engine, whose hits are those at which spans end, bit for bit.
+pub fn scalar_surface(profile: &Profile) -> Arc<Surface> {
+    let options = EngineOptions { method: Method::Exact, ..EngineOptions::default() };
+    Arc::new(Surface::with_engine(profile, &options))
+}
+
 /// Random lines through the solid of a random closed profile, by both rules: spans are ordered,
 /// disjoint, end at hits on both sides, and their middles are inside, those of the gaps outside.
 pub fn spans(rays: u64, random: &mut Random, tally: &mut Tally) {
@@ -42,11 +48,12 @@ pub fn spans(rays: u64, random: &mut Random, tally: &mut Tally) {
             }
         };
         let oracle = Oracle::new(&profile);
-        let solids = RULES.map(|rule| known(Solid::new(&profile, rule)));
+        let surface = scalar_surface(&profile);
+        let solids = RULES.map(|rule| known(Solid::from_surface(Arc::clone(&surface), rule)));
         let (mut spans, mut hits) = (Vec::new(), Vec::new());
         for _ in 0..RAYS_PER_PROFILE {
             let ray = random.line(oracle.center(), oracle.size());
-            solids[0].surface().all(&ray, &mut hits);
+            surface.all(&ray, &mut hits);
             tally.rays += 1;
             tally.hits += hits.len() as u64;
             for solid in &solids {

@@ -6,7 +6,9 @@ use rondure::{FillRule, Point, Profile, ProfileErrorKind, Ray, Solid, Spline, Su
 use rondure_oracle::{
     Oracle, Random, Tally,
     profiles::{STANDARD, standard},
+    solids::scalar_surface,
 };
+use std::sync::Arc;
 
 /// Path data of profiles with all kinds of features, beside the standard ones.
 const FEATURES: &[(&str, &str)] = &[
@@ -61,16 +63,17 @@ fn check(profile: &Profile, rays: &impl Fn(&Oracle, &Profile, &mut Random) -> Ve
     }
     if profile.bounds_solid() {
         let rays = rays(&oracle, profile, &mut Random::new(21));
-        check_spans(profile, &surface, &oracle, &rays);
+        check_spans(profile, &oracle, &rays);
     }
     tally
 }
 
 /// Spans are in order, disjoint and of both fill rules' making, and their ends are hits: all of them by
 /// the even-odd rule, but those that rounding cannot tell apart.
-fn check_spans(profile: &Profile, surface: &Surface, oracle: &Oracle, rays: &[Ray]) {
+fn check_spans(profile: &Profile, oracle: &Oracle, rays: &[Ray]) {
+    let surface = scalar_surface(profile);
     let [even_odd, non_zero] = [FillRule::EvenOdd, FillRule::NonZero]
-        .map(|rule| Solid::new(profile, rule).expect("a closed profile"));
+        .map(|rule| Solid::from_surface(Arc::clone(&surface), rule).expect("a closed profile"));
     let (mut spans, mut hits) = (Vec::new(), Vec::new());
     for ray in rays {
         surface.all(ray, &mut hits);
@@ -91,7 +94,7 @@ fn check_spans(profile: &Profile, surface: &Surface, oracle: &Oracle, rays: &[Ra
                 let apart = pairs.iter().map(|[a, b]| b - a).fold(0.0, f64::max);
                 let speed = ray.direction.max_abs();
                 let thin =
-                    apart * speed < 1e-6 * oracle.size() || nearly_along(surface, ray, &hits);
+                    apart * speed < 1e-6 * oracle.size() || nearly_along(&surface, ray, &hits);
                 assert!(rest.is_empty() && thin, "{profile:?} {ray:?} {apart:e}");
             }
         }

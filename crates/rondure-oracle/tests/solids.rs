@@ -7,7 +7,7 @@ use rondure_oracle::{
     Oracle, Random,
     closed_form::Solid as Equation,
     profiles::{SOLIDS, STANDARD, standard},
-    solids::{RULES, corners_differ},
+    solids::{RULES, corners_differ, scalar_surface},
 };
 
 fn solid(path: &str, rule: FillRule) -> Solid {
@@ -170,7 +170,7 @@ fn spans_begin_and_end_at_the_hits_by_the_even_odd_rule() {
     for_rays(300, |name, solid, size, ray| {
         if solid.fill_rule() == FillRule::EvenOdd {
             let mut hits = Vec::new();
-            solid.surface().all(ray, &mut hits);
+            scalar_surface(solid.surface().profile()).all(ray, &mut hits);
             let found: Vec<f64> = ends(&spans(solid, ray)).into_iter().flatten().collect();
             // What is missing lies at the same place, two by two.
             let missing: Vec<f64> =

@@ -34,6 +34,7 @@ pub(super) struct Leaf {
     placement: Affine,
     /// How far off rounding can move a point of its surface, or a ray in its frame.
     pub(super) rounding: f64,
+    /// A box that holds all that is found inside, rounding included.
     pub(super) bounds: Bounds,
 }
 
@@ -110,12 +111,13 @@ impl Leaf {
                 let normal = (rows[0] * own.x + rows[1] * own.y + rows[2] * own.z).normalized();
                 let there = Affine::translate(placement.point(point));
                 let frame = Frame::placed(0.0, EVERYWHERE, &there).ok_or(bad)?;
+                let rounding = gamma(16) * there.translation.max_abs();
                 Ok(Self {
                     shape: Shape::HalfSpace(normal),
                     frame,
                     placement: there,
-                    rounding: gamma(16) * there.translation.max_abs(),
-                    bounds: half_space_bounds(there.translation, normal),
+                    rounding,
+                    bounds: padded(half_space_bounds(there.translation, normal), rounding),
                 })
             }
             Primitive::Cuboid(bounds) => {
@@ -130,13 +132,15 @@ impl Leaf {
                     let side = |bit: usize, h: f64| if i & bit == 0 { -h } else { h };
                     there.point(Vec3::new(side(1, half.x), side(2, half.y), side(4, half.z)))
                 };
+                let rounding = placed_rounding(&there, Vec3::ZERO, radius)
+                    + gamma(4) * bounds.min.abs().max(bounds.max.abs()).max_abs();
+                let bounds = (0..8).fold(Bounds::EMPTY, |b, i| b.with_point(corner(i)));
                 Ok(Self {
                     shape: Shape::Cuboid(half),
                     frame,
                     placement: there,
-                    rounding: placed_rounding(&there, Vec3::ZERO, radius)
-                        + gamma(4) * bounds.min.abs().max(bounds.max.abs()).max_abs(),
-                    bounds: (0..8).fold(Bounds::EMPTY, |b, i| b.with_point(corner(i))),
+                    rounding,
+                    bounds: padded(bounds, rounding),
                 })
             }
         }
@@ -296,6 +300,11 @@ fn through_box(ray: &LocalRay, half: Vec3) -> Option<[(f64, usize, bool); 2]> {
         }
     }
     (enter.0 < exit.0).then_some([enter, exit])
+}
+
+fn padded(bounds: Bounds, by: f64) -> Bounds {
+    let by = Vec3::splat(by);
+    Bounds { min: bounds.min - by, max: bounds.max + by }
 }
 
 /// The box round a half space: not all of space if the plane lies across an axis.
