@@ -15,6 +15,7 @@ pub mod pieces;
 pub mod polynomial;
 pub mod profiles;
 pub mod random;
+pub mod solids;
 pub mod suites;
 pub mod trigonometry;
 pub mod views;

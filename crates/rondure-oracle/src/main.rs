@@ -7,14 +7,15 @@ use std::{env, process::ExitCode, time::Instant};
 use rondure_oracle::{
     Random, Tally,
     profiles::{SOLIDS, STANDARD, standard},
-    suites,
+    solids, suites,
 };
 
 const USAGE: &str = "usage: rondure-oracle soak [--rays N] [--seed S] [--only NAME]
        rondure-oracle agree [OPTION]..., see agree --help
 
 Shoots N random rays (1e6) at each standard profile and at random ones, and compares every hit
-with the exact oracle or a closed form; 10 N at the goblet for parity alone. --only runs the parts whose
+with the exact oracle or a closed form; 10 N at the goblet for parity alone; N at random solids, for
+spans and for the laws of CSG. --only runs the parts whose
 name contains NAME.";
 
 struct Options {
@@ -92,5 +93,7 @@ fn soak(options: &Options) -> ExitCode {
     part("parity goblet", 10 * options.rays, &|rays, random, tally| {
         suites::parity(&goblet, rays, random, tally);
     });
+    part("spans of random solids", options.rays, &solids::spans);
+    part("laws of CSG", options.rays, &solids::laws);
     if clean { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }

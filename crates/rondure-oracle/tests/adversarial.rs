@@ -2,11 +2,13 @@
 
 #![expect(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
 
-use rondure::{Point, Profile, ProfileErrorKind, Ray, Spline, Surface, Vec3};
+use rondure::{FillRule, Point, Profile, ProfileErrorKind, Ray, Solid, Spline, Surface, Vec3};
 use rondure_oracle::{
     Oracle, Random, Tally,
     profiles::{STANDARD, standard},
+    solids::scalar_surface,
 };
+use std::sync::Arc;
 
 /// Path data of profiles with all kinds of features, beside the standard ones.
 const FEATURES: &[(&str, &str)] = &[
@@ -59,7 +61,51 @@ fn check(profile: &Profile, rays: &impl Fn(&Oracle, &Profile, &mut Random) -> Ve
     for ray in rays(&oracle, profile, &mut Random::new(21)) {
         tally.compare(&surface, &oracle, &ray, profile.bounds_solid());
     }
+    if profile.bounds_solid() {
+        let rays = rays(&oracle, profile, &mut Random::new(21));
+        check_spans(profile, &oracle, &rays);
+    }
     tally
+}
+
+/// Spans are in order, disjoint and of both fill rules' making, and their ends are hits: all of them by
+/// the even-odd rule, but those that rounding cannot tell apart.
+fn check_spans(profile: &Profile, oracle: &Oracle, rays: &[Ray]) {
+    let surface = scalar_surface(profile);
+    let [even_odd, non_zero] = [FillRule::EvenOdd, FillRule::NonZero]
+        .map(|rule| Solid::from_surface(Arc::clone(&surface), rule).expect("a closed profile"));
+    let (mut spans, mut hits) = (Vec::new(), Vec::new());
+    for ray in rays {
+        surface.all(ray, &mut hits);
+        let mut ts: Vec<f64> = hits.iter().map(|h| h.t).collect();
+        for solid in [&even_odd, &non_zero] {
+            solid.spans(ray, &mut spans);
+            assert!(spans.iter().all(|s| s.enter.t < s.exit.t), "{profile:?} {ray:?} {spans:?}");
+            assert!(spans.is_sorted_by(|a, b| a.exit.t < b.enter.t), "{profile:?} {ray:?}");
+            for end in spans.iter().flat_map(|s| [s.enter, s.exit]) {
+                let cut = end.t == ray.t_min || end.t == ray.t_max;
+                let found = end.wall.map_or(cut, |wall| hits.contains(&wall.hit));
+                assert!(found, "{profile:?} {ray:?} {end:?}");
+            }
+            if solid.fill_rule() == FillRule::EvenOdd && ray.t_min == f64::NEG_INFINITY {
+                ts.retain(|t| spans.iter().all(|s| s.enter.t != *t && s.exit.t != *t));
+                let (pairs, rest) = ts.as_chunks::<2>();
+                // Hits that are none of the spans' lie two by two, as near as rounding makes them.
+                let apart = pairs.iter().map(|[a, b]| b - a).fold(0.0, f64::max);
+                let speed = ray.direction.max_abs();
+                let thin =
+                    apart * speed < 1e-6 * oracle.size() || nearly_along(&surface, ray, &hits);
+                assert!(rest.is_empty() && thin, "{profile:?} {ray:?} {apart:e}");
+            }
+        }
+    }
+}
+
+/// Whether the ray runs along the surface somewhere, so that rounding moves a hit far along it.
+fn nearly_along(surface: &Surface, ray: &Ray, hits: &[rondure::Hit]) -> bool {
+    let speed = ray.direction.max_abs();
+    hits.iter()
+        .any(|hit| surface.interaction(ray, hit).normal.dot(ray.direction).abs() < 1e-6 * speed)
 }
 
 fn random_lines(n: usize) -> impl Fn(&Oracle, &Profile, &mut Random) -> Vec<Ray> {

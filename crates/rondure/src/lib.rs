@@ -3,7 +3,8 @@
 //! A [`Profile`] is swept round the z axis; the [`Surface`] built from it answers rays in f64:
 //! closest hit, any hit, all hits, and on demand the point, the normal, the parameters and the
 //! partial derivatives there. An [`Instance`] places a shared surface in the world; an [`Assembly`]
-//! holds up to millions of them.
+//! holds up to millions of them. A [`Solid`] is what a closed profile bounds: stretches of rays, inside
+//! tests, signed distances.
 //!
 //! ```
 //! # fn main() -> Result<(), rondure::ProfileError> {
@@ -39,6 +40,7 @@ pub mod profile;
 mod rings;
 mod root;
 mod shell;
+pub mod solid;
 mod surface;
 mod vector;
 
@@ -53,6 +55,6 @@ pub use instances::{Instances, PlaceError, PlaceErrorKind};
 pub use interaction::Interaction;
 pub use measure::Measure;
 pub use profile::{Point, Profile, ProfileError, ProfileErrorKind, Segment, Spline};
+pub use solid::{FillRule, Solid};
 pub use surface::{Hit, Surface};
 pub use vector::{Ray, Vec3};
-

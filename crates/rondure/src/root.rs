@@ -23,6 +23,17 @@ use crate::piece::{Kind, Piece};
 /// Reports every hit of the whole line on a piece, as (s, t), in no particular order.
 #[inline]
 pub(crate) fn hits(piece: &Piece, ray: &Meridian, mut report: impl FnMut(f64, f64)) {
+    crossings(piece, ray, |s, t, _| report(s, t));
+}
+
+/// The same hits as (s, t, step): `step` is by how much the winding number of the profile round the
+/// point of the meridian grows as the ray passes the hit, 1 or -1 (see `docs/solids.md`).
+///
+/// With the ray going up, F >= 0 is to its left, so that a profile along which F falls crosses it
+/// from left to right: 1. It comes from the same signs as the hit itself, so that the steps of one
+/// piece add up to what the signs of F at its ends say.
+#[inline]
+pub(crate) fn crossings(piece: &Piece, ray: &Meridian, mut report: impl FnMut(f64, f64, i32)) {
     if piece.kind == Kind::Line && misses_line(piece, ray) {
         return;
     }
@@ -47,14 +58,21 @@ fn misses_line(piece: &Piece, ray: &Meridian) -> bool {
 }
 
 /// The hits of a shallow ray whose closest approach to the axis lies within the heights of the piece.
-fn hits_across(piece: &Piece, ray: &Meridian, x: &[f64; 4], report: &mut impl FnMut(f64, f64)) {
+fn hits_across(
+    piece: &Piece,
+    ray: &Meridian,
+    x: &[f64; 4],
+    report: &mut impl FnMut(f64, f64, i32),
+) {
     let rising = x[0] < 0.0;
     let secant = x[0] / (x[0] - x[3]);
     let s = bracketed_root(|s| piece.coordinate(x, s), [0.0, 1.0], !rising, secant);
     if ray.eta == 0.0 {
         // Perpendicular to the axis: both hits share s.
-        for t in ray.chord(piece.coordinate(&piece.r, s).0).into_iter().flatten() {
-            report(s, t);
+        let step = if rising { 1 } else { -1 };
+        if let Some([first, second]) = ray.chord(piece.coordinate(&piece.r, s).0) {
+            report(s, first, step);
+            report(s, second, -step);
         }
         return;
     }
@@ -120,14 +138,24 @@ const MOST_HALVINGS: u32 = 64;
 impl Stretch {
     /// Reports the hits on this stretch; `above` tells on which half of the ray they lie.
     #[inline]
-    fn hits(&self, piece: &Piece, ray: &Meridian, above: bool, report: &mut impl FnMut(f64, f64)) {
+    fn hits(
+        &self,
+        piece: &Piece,
+        ray: &Meridian,
+        above: bool,
+        report: &mut impl FnMut(f64, f64, i32),
+    ) {
         let f = self.coefficients(piece.kind, ray);
         match f.sign_changes() {
             0 => {}
-            1 => report_at(self.single_root(piece, ray, &f), piece, ray, above, report),
+            1 => {
+                let s = self.single_root(piece, ray, &f);
+                report_at(s, f.c[0] >= 0.0, piece, ray, above, report);
+            }
             _ if piece.kind == Kind::Line => {
-                for s in self.two_roots(ray, &f).into_iter().flatten() {
-                    report_at(s, piece, ray, above, report);
+                if let Some([falling, rising]) = self.two_roots(ray, &f) {
+                    report_at(falling, true, piece, ray, above, report);
+                    report_at(rising, false, piece, ray, above, report);
                 }
             }
             _ => self.hits_by_halving(piece, ray, above, report, MOST_HALVINGS),
@@ -141,17 +169,21 @@ impl Stretch {
         piece: &Piece,
         ray: &Meridian,
         above: bool,
-        report: &mut impl FnMut(f64, f64),
+        report: &mut impl FnMut(f64, f64, i32),
         halvings: u32,
     ) {
         let f = self.coefficients(piece.kind, ray);
         match f.sign_changes() {
             0 => {}
-            1 => report_at(self.single_root(piece, ray, &f), piece, ray, above, report),
+            1 => {
+                let s = self.single_root(piece, ray, &f);
+                report_at(s, f.c[0] >= 0.0, piece, ray, above, report);
+            }
             _ if halvings == 0 || f.largest() <= self.rounding(piece, ray) => {
                 // A tangency: the ends decide.
                 if (f.c[0] < 0.0) != (f.c[f.degree] < 0.0) {
-                    report_at(0.5 * (self.s[0] + self.s[1]), piece, ray, above, report);
+                    let middle = 0.5 * (self.s[0] + self.s[1]);
+                    report_at(middle, f.c[0] >= 0.0, piece, ray, above, report);
                 }
             }
             _ => {
@@ -308,16 +340,19 @@ impl Stretch {
     }
 }
 
+/// Reports the hit at s; `falls` tells the sign of F before and after it.
 #[inline]
 fn report_at(
     s: f64,
+    falls: bool,
     piece: &Piece,
     ray: &Meridian,
     above: bool,
-    report: &mut impl FnMut(f64, f64),
+    report: &mut impl FnMut(f64, f64, i32),
 ) {
     let point = piece.jet(s).point;
-    report(s, ray.t(point.r, point.z, above));
+    let step = if falls == (ray.dz >= 0.0) { 1 } else { -1 };
+    report(s, ray.t(point.r, point.z, above), step);
 }
 
 /// The roots of a quadratic in Bernstein form, real by the caller's word: first the one where it
@@ -341,7 +376,7 @@ fn quadratic_roots(f: &Coefficients, discriminant: f64) -> [f64; 2] {
 /// `positive` is the sign at the first end; the other end has the other one. The function itself is
 /// never asked at the ends, where its rounding might say otherwise.
 #[inline]
-fn bracketed_root(
+pub(crate) fn bracketed_root(
     f: impl Fn(f64) -> (f64, f64),
     [mut lo, mut hi]: [f64; 2],
     positive: bool,

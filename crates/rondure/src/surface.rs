@@ -37,7 +37,7 @@ pub struct Hit {
 #[derive(Clone, Debug)]
 pub struct Surface {
     profile: Profile,
-    frame: Frame,
+    pub(crate) frame: Frame,
     engine: Engine,
     /// Where frusta come from, if the engine works on them.
     polyline: Option<Polyline>,
@@ -252,28 +252,15 @@ impl Surface {
         Bounds { min: bounds.min - pad, max: bounds.max + pad }
     }
 
-    /// How far off the placed surface rounding can move a computed point of it, and how far off a
-    /// ray's true course it can move the ray in the surface's frame, taken back to the world.
-    ///
-    /// Each takes fewer than 16 operations on numbers that are no larger than the sums below.
+    /// How far off the placed surface rounding can move a computed point of it; see
+    /// [`placed_rounding`].
     pub(crate) fn rounding(&self, placement: &Affine) -> f64 {
         self.rounding_with(placement, placement.inverse_rows().as_ref())
     }
 
     /// The same, given the rows of the placement's inverse.
     pub(crate) fn rounding_with(&self, placement: &Affine, inverse: Option<&[Vec3; 3]>) -> f64 {
-        let [x, y, z] = placement.columns;
-        let size = largest_stretch(placement) * self.radius;
-        // The rounding of the map into the surface's frame, brought back, grows with the condition
-        // of the map.
-        let condition = inverse.map_or(1.0, |rows| {
-            let widest = rows.iter().map(|r| r.abs().dot(Vec3::splat(1.0))).fold(0.0, f64::max);
-            widest * [x, y, z].iter().map(|c| c.max_abs()).fold(0.0, f64::max)
-        });
-        let center = placement.point(Vec3::new(0.0, 0.0, self.center_z));
-        let world =
-            placement.translation.max_abs() + (z * self.center_z).max_abs() + center.max_abs();
-        gamma(16) * (size * (1.0 + condition) + world)
+        placed_rounding(placement, inverse, Vec3::new(0.0, 0.0, self.center_z), self.radius)
     }
 
     #[inline]
@@ -327,6 +314,24 @@ impl Surface {
         hits.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.piece.cmp(&b.piece)));
     }
 
+    /// All hits of the whole line, in no particular order, each with its step (see
+    /// [`root::crossings`]).
+    pub(crate) fn crossings_from(
+        &self,
+        frame: &Frame,
+        ray: &Ray,
+        mut report: impl FnMut(Hit, i32),
+    ) {
+        let Some(local) = frame.enter(&ray.whole()) else { return };
+        let meridian = Meridian::new(local.origin, local.direction);
+        self.engine.walk(&meridian, local.range, |piece| {
+            root::crossings(&self.pieces[piece as usize], &meridian, |s, local_t, step| {
+                report(Hit { t: local.world_t(local_t), piece, s }, step);
+            });
+            local.range[1]
+        });
+    }
+
     /// All hits, from all pieces, without any shell: what every engine must agree with.
     #[cfg(test)]
     pub(crate) fn all_by_brute_force(&self, ray: &Ray, hits: &mut Vec<Hit>) {
@@ -356,6 +361,31 @@ impl Surface {
             }
         });
     }
+}
+
+/// How far off a placed surface rounding can move a computed point of it, and how far off a ray's true
+/// course it can move the ray in the surface's frame, taken back to the world. The surface lies within
+/// `radius` of `center` in its own frame; `inverse` has the rows of the placement's inverse.
+///
+/// Each takes fewer than 16 operations on numbers that are no larger than the sums below.
+pub(crate) fn placed_rounding(
+    placement: &Affine,
+    inverse: Option<&[Vec3; 3]>,
+    center: Vec3,
+    radius: f64,
+) -> f64 {
+    let [x, y, z] = placement.columns;
+    let size = largest_stretch(placement) * radius;
+    // The rounding of the map into the surface's frame, brought back, grows with the condition of the
+    // map.
+    let condition = inverse.map_or(1.0, |rows| {
+        let widest = rows.iter().map(|r| r.abs().dot(Vec3::splat(1.0))).fold(0.0, f64::max);
+        widest * [x, y, z].iter().map(|c| c.max_abs()).fold(0.0, f64::max)
+    });
+    let world = placement.translation.max_abs()
+        + placement.vector(center).max_abs()
+        + placement.point(center).max_abs();
+    gamma(16) * (size * (1.0 + condition) + world)
 }
 
 /// Halves a curved piece for the leaves of the tree.

@@ -214,6 +214,12 @@ impl Ray {
         Self { t_min, t_max, ..self }
     }
 
+    /// The whole line that the ray is part of.
+    #[inline]
+    pub const fn whole(self) -> Self {
+        Self::line(self.origin, self.direction)
+    }
+
     /// The point `origin + t direction`.
     #[inline]
     pub fn at(&self, t: f64) -> Vec3 {

@@ -2,9 +2,10 @@
 //!
 //! A [`Profile`] is one or more [`Subpath`]s, each a chain of [`Segment`]s; it is checked when it is
 //! built and never changes. `path_data.rs` reads it from text, `builder.rs` from code, `spline.rs`
-//! from points.
+//! from points; `caps.rs` closes open ends.
 
 mod builder;
+mod caps;
 mod error;
 pub(crate) mod monotone;
 mod path_data;

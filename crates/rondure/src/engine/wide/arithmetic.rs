@@ -1,8 +1,8 @@
 //! Scalar operations that compile to one instruction each.
 
-use fearless_simd::Simd;
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 use fearless_simd::Level;
+use fearless_simd::Simd;
 
 /// a b + c, by whatever is fastest.
 pub(super) trait Fused: Copy {

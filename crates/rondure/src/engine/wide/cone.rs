@@ -53,10 +53,9 @@ fn homogeneous(kind: Kind, c: &[f64; 4]) -> (ArrayVec<f64, 4>, ArrayVec<f64, 4>)
         Kind::Line => plain(&[c[0], c[3]]),
         Kind::Quadratic => plain(&[c[0], c[1], c[3]]),
         Kind::Cubic => plain(c),
-        Kind::Conic(w) => (
-            [c[0], w * c[1], c[3]].into_iter().collect(),
-            [1.0, w, 1.0].into_iter().collect(),
-        ),
+        Kind::Conic(w) => {
+            ([c[0], w * c[1], c[3]].into_iter().collect(), [1.0, w, 1.0].into_iter().collect())
+        }
     }
 }
 

@@ -199,11 +199,7 @@ impl Line {
     /// Whether all of a leaf lies beyond the end of the line, since it was last shortened.
     #[inline(always)]
     pub(super) fn ends_before(&self, [z0, z1]: [f64; 2]) -> bool {
-        if self.dz >= 0.0 {
-            z0 > self.end && z1 > self.end
-        } else {
-            z0 < self.end && z1 < self.end
-        }
+        if self.dz >= 0.0 { z0 > self.end && z1 > self.end } else { z0 < self.end && z1 < self.end }
     }
 }
 
@@ -250,8 +246,8 @@ impl Block {
         let (low0, low1) = (f0 + lowered, f1 + lowered);
         // Twice the middle coefficient, and the discriminant with room for rounding.
         let middle = low0 + low1 - dx * dx;
-        let dips = middle.simd_lt(zero)
-            & (middle * middle).simd_ge((low0 * splat(simd, 3.999)) * low1);
+        let dips =
+            middle.simd_lt(zero) & (middle * middle).simd_ge((low0 * splat(simd, 3.999)) * low1);
         let highest = f0.max(f1) - eta * load(simd, &self.below);
         let may = (low0.min(low1).simd_le(zero) | dips)
             & highest.simd_ge(-padding)
@@ -279,8 +275,7 @@ impl Block {
         let steepest = load(simd, &self.slopes[1]) * -eta;
         let flattest = load(simd, &self.slopes[0]) * -eta;
         // Whether F' has one sign at all roots with X > 0, and with X < 0.
-        let certain_above =
-            (low.simd_gt(steepest) | high.simd_lt(flattest)).to_bitmask() as u32;
+        let certain_above = (low.simd_gt(steepest) | high.simd_lt(flattest)).to_bitmask() as u32;
         let certain_below =
             ((-high).simd_gt(steepest) | (-low).simd_lt(flattest)).to_bitmask() as u32;
         let certain_here = above & certain_above | !above & certain_below;
@@ -363,8 +358,12 @@ impl Boxes {
     pub(super) fn test<S: Simd>(&self, simd: S, line: &Line) -> u32 {
         let [z0, z1] = [load(simd, &self.z[0]), load(simd, &self.z[1])];
         let [w0, w1] = [load(simd, &self.w[0]), load(simd, &self.w[1])];
-        let (slope, x, kappa, eta) =
-            (splat(simd, line.slope), splat(simd, line.x), splat(simd, line.kappa), splat(simd, -line.eta));
+        let (slope, x, kappa, eta) = (
+            splat(simd, line.slope),
+            splat(simd, line.x),
+            splat(simd, line.kappa),
+            splat(simd, -line.eta),
+        );
         let (x0, x1) = (slope.mul_add(z0, x), slope.mul_add(z1, x));
         let (low, high) = (x0.min(x1), x0.max(x1));
         // The X nearest to 0 and the one farthest from it.

@@ -327,7 +327,8 @@ impl Columns {
             let kq = kappa * q;
             let value = x * x + (kq * q - er * r);
             let slope = x * dx + (kq * dq - er * dr);
-            let bend = (x * ddx + dx * dx) + kappa * (q * ddq + dq * dq) - eta * (r * ddr + dr * dr);
+            let bend =
+                (x * ddx + dx * dx) + kappa * (q * ddq + dq * dq) - eta * (r * ddr + dr * dr);
             return [value, slope, bend, x];
         }
         let x = z + offset;
