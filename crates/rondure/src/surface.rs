@@ -213,6 +213,17 @@ impl Surface {
         self.all_from(&self.frame, ray, hits);
     }
 
+    /// Whether many rays have any hit, as [`any`](Self::any) tells for each; `hits` is as long as there
+    /// are rays, what lies beyond either is left out.
+    pub fn any_of_many(&self, rays: &Rays<'_>, hits: &mut [bool]) {
+        if let Some(wide) = self.engine.wide() {
+            return wide.any_of_many(&self.pieces, &self.frame, rays, hits);
+        }
+        for (i, hit) in hits.iter_mut().enumerate().take(rays.len()) {
+            *hit = self.any(&rays.get(i));
+        }
+    }
+
     /// The closest hits of many rays: the same as [`closest`](Self::closest) finds for each, t apart
     /// by rounding.
     pub fn closest_of_many(&self, rays: &Rays<'_>, hits: &mut Hits) {

@@ -87,7 +87,13 @@ impl Scene {
         self.assembly.all(ray, &mut hits);
         assert_eq!(hits, expected, "{ray:?}");
         let closest = self.assembly.closest(ray);
-        assert_eq!(closest, expected.first().copied(), "{ray:?}");
+        assert_eq!(closest.is_some(), !expected.is_empty(), "{ray:?}");
+        for (closest, first) in closest.iter().zip(&expected) {
+            // They come by different ways.
+            assert_eq!(closest.instance, first.instance, "{ray:?}");
+            assert_eq!(closest.hit.piece, first.hit.piece, "{ray:?}");
+            assert!((closest.hit.t - first.hit.t).abs() <= 1e-12 * first.hit.t.abs(), "{ray:?}");
+        }
         assert_eq!(self.assembly.any(ray), closest.is_some(), "{ray:?}");
         let mut many = [None];
         self.assembly.closest_many(&[*ray], &mut many);

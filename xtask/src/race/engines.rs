@@ -2,7 +2,7 @@
 
 use std::hint::black_box;
 
-use rondure::Surface;
+use rondure::{Assembly, Hits, Rays, Surface};
 
 use super::contest::Contestant;
 use super::embree::Scene;
@@ -11,7 +11,34 @@ use super::rays::{Query, RaySet};
 impl Contestant for Surface {
     fn answer(&self, set: &RaySet) -> Option<u64> {
         if set.batch {
-            // The public interface takes one ray at a time.
+            let c = &set.columns;
+            let rays = Rays::new([&c[0], &c[1], &c[2]], [&c[3], &c[4], &c[5]], &c[6], &c[7])?;
+            return Some(match set.query {
+                Query::Closest => {
+                    let mut hits = Hits::default();
+                    self.closest_of_many(&rays, &mut hits);
+                    hits.t.iter().filter(|t| t.is_finite()).count() as u64
+                }
+                Query::Any => {
+                    let mut hits = vec![false; rays.len()];
+                    self.any_of_many(&rays, &mut hits);
+                    hits.iter().filter(|hit| **hit).count() as u64
+                }
+            });
+        }
+        let count = match set.query {
+            Query::Closest => {
+                set.rays.iter().filter(|ray| black_box(self.closest(ray)).is_some()).count()
+            }
+            Query::Any => set.rays.iter().filter(|ray| self.any(ray)).count(),
+        };
+        Some(count as u64)
+    }
+}
+
+impl Contestant for Assembly {
+    fn answer(&self, set: &RaySet) -> Option<u64> {
+        if set.batch {
             return None;
         }
         let count = match set.query {

@@ -2,9 +2,10 @@
 
 use std::error::Error;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 use std::{fs, iter};
 
-use rondure::{Affine, Bounds, Profile, Surface, Vec3};
+use rondure::{Affine, Assembly, Bounds, Instances, Profile, Surface, Vec3};
 
 use super::contest::{Contestant, Score, heat};
 use super::embree::{Device, Scene};
@@ -71,8 +72,20 @@ fn race_field(
         let top = Built { bytes: (device.memory() - before) as f64, seconds };
         fields.push((format!("Embree, {}", kind.name()), top, scene));
     }
-    let contestants: Vec<_> = fields.iter().map(|(.., scene)| scene as &dyn Contestant).collect();
-    let scores = heat(&contestants, &sets, options.rounds());
+    let start = cpu_time::ThreadTime::now();
+    let mut instances = Instances::new();
+    let shape = instances.add_shape(Arc::new(surface.clone()));
+    for placement in &placements {
+        instances.place(shape, *placement)?;
+    }
+    let own = Assembly::new(instances)?;
+    let top = Built { bytes: own.bytes() as f64, seconds: start.elapsed().as_secs_f64() };
+    let mut contestants: Vec<_> =
+        fields.iter().map(|(.., scene)| scene as &dyn Contestant).collect();
+    contestants.push(&own);
+    let mut scores = heat(&contestants, &sets, options.rounds());
+    let own =
+        FieldScore { engine: "Rondure".to_owned(), top, scores: scores.pop().unwrap_or_default() };
     let score = |((engine, top, _), scores): (&(String, Built, _), _)| FieldScore {
         engine: engine.clone(),
         top: *top,
@@ -81,7 +94,7 @@ fn race_field(
     Ok(FieldResult {
         copies: placements.len(),
         sets: sets.iter().map(|set: &RaySet| (set.name.clone(), set.len())).collect(),
-        scores: iter::zip(&fields, scores).map(score).collect(),
+        scores: iter::zip(&fields, scores).map(score).chain([own]).collect(),
     })
 }
 

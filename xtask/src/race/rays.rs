@@ -25,19 +25,33 @@ pub(crate) struct RaySet {
     pub(crate) rays: Vec<Ray>,
     pub(crate) singles: Vec<Single>,
     pub(crate) packets: Packets,
+    /// The coordinates of origins and directions, and the ends of the ranges.
+    pub(crate) columns: [Vec<f64>; 8],
 }
 
 impl RaySet {
     fn new(name: &str, query: Query, rays: Vec<Ray>) -> Self {
         let singles = rays.iter().map(single).collect();
         let (name, packets) = (name.to_owned(), Packets::new(&[]));
-        Self { name, query, batch: false, coherent: true, rays, singles, packets }
+        let columns = core::array::from_fn(|_| Vec::new());
+        Self { name, query, batch: false, coherent: true, rays, singles, packets, columns }
     }
 
     fn batch(name: &str, query: Query, coherent: bool, rays: Vec<Ray>) -> Self {
         let set = Self::new(name, query, rays);
         let packets = Packets::new(&set.singles);
-        Self { batch: true, coherent, packets, ..set }
+        let column = |of: fn(&Ray) -> f64| set.rays.iter().map(of).collect();
+        let columns = [
+            column(|ray| ray.origin.x),
+            column(|ray| ray.origin.y),
+            column(|ray| ray.origin.z),
+            column(|ray| ray.direction.x),
+            column(|ray| ray.direction.y),
+            column(|ray| ray.direction.z),
+            column(|ray| ray.t_min),
+            column(|ray| ray.t_max),
+        ];
+        Self { batch: true, coherent, packets, columns, ..set }
     }
 
     pub(crate) fn len(&self) -> usize {

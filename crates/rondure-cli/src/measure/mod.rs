@@ -8,7 +8,8 @@ mod units;
 use std::io::{self, Write};
 
 use clap::Args;
-use rondure_scene::Shape;
+use rondure::Instance;
+use rondure_scene::{Object, Shape};
 
 use self::{
     placed::{Measured, Measurer, PlacedCavity},
@@ -144,21 +145,18 @@ impl Measure {
         }
         let path = self.profile.path();
         let scene = scene::read(path)?;
-        let turned = scene.objects.iter().filter_map(|object| match &object.shape {
-            Shape::Turned(instance) => Some((object.name.as_str(), instance)),
-            _ => None,
-        });
+        let turned = scene.objects.iter().flat_map(turned_copies);
         let turned: Vec<_> = match &self.object {
             None => turned.collect(),
             Some(name) => {
                 let all: Vec<_> = turned.collect();
-                let found = all.iter().copied().find(|(own, _)| own == name);
-                vec![found.ok_or_else(|| unknown(name, all.iter().map(|(own, _)| *own)))?]
+                let found = all.iter().find(|(own, _)| own == name).cloned();
+                vec![found.ok_or_else(|| unknown(name, all.iter().map(|(own, _)| own.as_str())))?]
             }
         };
         let mut measurer = Measurer::default();
         let objects: Vec<_> =
-            turned.into_iter().map(|(name, instance)| measurer.object(name, instance)).collect();
+            turned.iter().map(|(name, instance)| measurer.object(name, instance)).collect();
         if self.json {
             let objects = objects.iter().map(|measured| {
                 let mut fields = vec![("name", measured.name.as_str().into())];
@@ -264,4 +262,14 @@ fn unknown<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> Failure {
         None => "there are no turned objects in the scene".into(),
     };
     Failure::new(format!("no turned object is called `{name}`"), &help)
+}
+
+/// The copies of an object, if it is a turned one, numbered if there are several.
+fn turned_copies(object: &Object) -> impl Iterator<Item = (String, Instance)> + '_ {
+    let several = object.copies.count() > 1;
+    let name = move |i| if several { format!("{} #{i}", object.name) } else { object.name.clone() };
+    (1..).zip(object.shapes()).filter_map(move |(i, shape)| match shape {
+        Some(Shape::Turned(instance)) => Some((name(i), instance)),
+        _ => None,
+    })
 }

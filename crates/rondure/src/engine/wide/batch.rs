@@ -59,6 +59,20 @@ impl Wide {
         dispatch!(self.level, simd => self.closest_many(simd, pieces, frame, rays, hits));
     }
 
+    pub(crate) fn any_of_many(
+        &self,
+        pieces: &[Piece],
+        frame: &Frame,
+        rays: &Rays<'_>,
+        hits: &mut [bool],
+    ) {
+        dispatch!(self.level, simd => {
+            for (i, hit) in hits.iter_mut().enumerate().take(rays.len()) {
+                *hit = self.any_with(simd, pieces, frame, &rays.get(i));
+            }
+        });
+    }
+
     #[inline(always)]
     fn closest_many<S: Simd>(
         &self,

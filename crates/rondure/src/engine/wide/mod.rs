@@ -114,8 +114,8 @@ impl Wide {
         dispatch!(self.level, simd => self.all_with(simd, pieces, frame, ray, hits));
     }
 
-    /// Calls `visit` for every piece that the ray may hit, as [`Engine::walk`](super::Engine::walk),
-    /// several times for some.
+    /// Calls `visit` once for every piece that the ray may hit, as
+    /// [`Engine::walk`](super::Engine::walk).
     pub(crate) fn candidates<C: Count>(
         &self,
         ray: &Meridian,
@@ -124,6 +124,7 @@ impl Wide {
         mut visit: impl FnMut(u32) -> f64,
     ) {
         let line = Line::of(ray, range, self.unit);
+        let mut seen = Vec::new();
         dispatch!(self.level, simd => self.walk(
             simd,
             line,
@@ -131,7 +132,12 @@ impl Wide {
             count,
             #[inline(always)]
             |line, leaf, _| {
-                let end = visit(self.leaves[leaf].piece());
+                let piece = self.leaves[leaf].piece();
+                if seen.contains(&piece) {
+                    return true;
+                }
+                seen.push(piece);
+                let end = visit(piece);
                 if end < f64::INFINITY {
                     line.end_at(end);
                 }
@@ -273,6 +279,10 @@ impl Wide {
     #[cold]
     #[inline(never)]
     fn closest_exactly(&self, pieces: &[Piece], frame: &Frame, ray: &Ray) -> Option<Hit> {
+        if let Some((ray, scale)) = rescaled(ray) {
+            let hit = self.closest(pieces, frame, &ray);
+            return hit.map(|hit| Hit { t: hit.t * scale, ..hit });
+        }
         let query = Query::new(frame, ray)?;
         let mut closest: Option<Hit> = None;
         let mut end = query.local.range[1];
@@ -293,18 +303,17 @@ impl Wide {
     #[cold]
     #[inline(never)]
     fn all_exactly(&self, pieces: &[Piece], frame: &Frame, ray: &Ray, hits: &mut Vec<Hit>) {
+        if let Some((ray, scale)) = rescaled(ray) {
+            self.all(pieces, frame, &ray, hits);
+            hits.iter_mut().for_each(|hit| hit.t *= scale);
+            return;
+        }
         hits.clear();
         let Some(query) = Query::new(frame, ray) else { return };
-        let mut candidates = Vec::new();
         self.candidates(&query.meridian, query.local.range, &mut (), |piece| {
-            candidates.push(piece);
+            query.hits(pieces, piece, |hit| hits.push(hit));
             f64::INFINITY
         });
-        candidates.sort_unstable();
-        candidates.dedup();
-        for piece in candidates {
-            query.hits(pieces, piece, |hit| hits.push(hit));
-        }
         sort(hits);
     }
 
@@ -477,6 +486,21 @@ fn take(mask: &mut u64, lowest: bool) -> Option<usize> {
     let bit = if lowest { mask.trailing_zeros() } else { 63 - mask.leading_zeros() };
     *mask ^= 1 << bit;
     Some(bit as usize)
+}
+
+/// A ray whose direction is very long or very short, with one of ordinary length, and what its parameter
+/// is to be multiplied by. No number changes but in its exponent.
+fn rescaled(ray: &Ray) -> Option<(Ray, f64)> {
+    let largest = ray.direction.max_abs();
+    let ordinary = 1.0 / 1024.0..=1024.0;
+    if ordinary.contains(&largest) || !(f64::MIN_POSITIVE..f64::INFINITY).contains(&largest) {
+        return None;
+    }
+    let scale = reciprocal_power_of_two(largest);
+    let direction = ray.direction * scale;
+    let per_scale = 1.0 / scale;
+    let (t_min, t_max) = (ray.t_min * per_scale, ray.t_max * per_scale);
+    Some((Ray { direction, t_min, t_max, ..*ray }, scale))
 }
 
 fn sort(hits: &mut [Hit]) {
