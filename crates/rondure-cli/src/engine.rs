@@ -8,9 +8,9 @@ use rondure::{EngineOptions, Method, engine::Criterion};
 
 #[derive(Debug, Args)]
 pub(crate) struct EngineArgs {
-    /// How hits are found. `exact` works on the profile's curves; the others are the methods of Wang,
-    /// Zhu and Gu 2008, on frusta: kj, cy, co, hy, and bs
-    #[arg(long, value_parser = method_parser(), default_value = "exact", help_heading = ENGINE)]
+    /// How hits are found. `wide` and `exact` work on the profile's curves and find the same hits; the
+    /// others are the methods of Wang, Zhu and Gu 2008, on frusta: kj, cy, co, hy, and bs
+    #[arg(long, value_parser = method_parser(), default_value = "wide", help_heading = ENGINE)]
     engine: Method,
 
     /// Frusta: 2^K leaves in each monotone interval of the profile; 4 if not given
