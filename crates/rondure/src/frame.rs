@@ -81,7 +81,7 @@ impl Frame {
     /// neither moved nor scaled: the ray's parameter stays as it is.
     #[inline(always)]
     pub(crate) fn turn(&self, ray: &Ray) -> [Vec3; 2] {
-        [ray.origin - self.center, ray.direction].map(|v| self.turned(v))
+        [self.turned(ray.origin - self.center), self.turned(ray.direction)]
     }
 
     /// A direction as the surface sees it.

@@ -97,12 +97,13 @@ impl Wide {
                         continue;
                     }
                     let ray = rays.get(index);
-                    match self.approach(frame, &ray) {
+                    let (approach, course) = self.approach(frame, &ray);
+                    match approach {
                         Approach::Misses => {}
                         Approach::Strange => {
                             hits.set(index, self.closest_exactly(pieces, frame, &ray));
                         }
-                        Approach::Meets(course) => {
+                        Approach::Meets => {
                             let range = Range::new(self, &course, &ray);
                             let line = Line::along(&course, range.of_course, self.unit);
                             let (closest, doubt) = (None, false);
@@ -159,11 +160,11 @@ impl Wide {
     #[inline(always)]
     fn collect<S: Simd>(&self, simd: S, ray: u32, state: &mut State, tasks: &mut Vec<Task>) {
         let first = tasks.len() as u32;
-        let line = state.line;
+        let mut line = state.line;
         let doubt = &mut state.doubt;
         self.walk(
             simd,
-            line,
+            &mut line,
             false,
             &mut (),
             #[inline(always)]

@@ -33,10 +33,11 @@ pub(super) struct Course {
 }
 
 /// What there is to do about a ray.
+#[derive(Clone, Copy, PartialEq)]
 pub(super) enum Approach {
     /// It passes the surface.
     Misses,
-    Meets(Course),
+    Meets,
     /// It runs along the axis, comes from very far away, or is no ray: not for this engine.
     Strange,
 }
@@ -52,13 +53,26 @@ const SHORTEST: f64 = 1.0 / (1_u64 << 20) as f64;
 const STEEPEST: f64 = (1_u64 << 12) as f64;
 
 impl Course {
+    const NONE: Self = Self {
+        a: 0.0,
+        b: 0.0,
+        k2: 0.0,
+        per_a: 0.0,
+        oz: 0.0,
+        dz: 0.0,
+        eta: 0.0,
+        kappa: 0.0,
+        x: 0.0,
+        shift: 0.0,
+    };
+
     /// A ray as a surface sees it that stands in a frame, with points no farther from its centre than
     /// `radius`, and from its axis than the square root of `reach2`.
     #[inline(always)]
-    pub(super) fn new(frame: &Frame, ray: &Ray, radius: f64, reach2: f64) -> Approach {
+    pub(super) fn new(frame: &Frame, ray: &Ray, radius: f64, reach2: f64) -> (Approach, Self) {
         // Also false where one is not a number.
         if !(ray.t_min <= ray.t_max) {
-            return Approach::Misses;
+            return (Approach::Misses, Self::NONE);
         }
         let [mut o, d] = frame.turn(ray);
         let far = greater(greater(o.x.abs(), o.y.abs()), o.z.abs());
@@ -68,24 +82,24 @@ impl Course {
             let length2 = a + d.z * d.z;
             shift = -o.dot(d) / length2;
             if !(far <= FAR * radius && length2 >= SHORTEST && length2 <= LONGEST) {
-                return Approach::Strange;
+                return (Approach::Strange, Self::NONE);
             }
             o = approached(frame, ray, shift);
         }
         let k = o.x * d.y - o.y * d.x;
         let k2 = k * k;
         if k2 > a * reach2 && a >= SHORTEST {
-            return Approach::Misses;
+            return (Approach::Misses, Self::NONE);
         }
         let dz2 = d.z * d.z;
         if !(a >= SHORTEST && a <= LONGEST && dz2 <= STEEPEST * a) {
-            return Approach::Strange;
+            return (Approach::Strange, Self::NONE);
         }
         let b = o.x * d.x + o.y * d.y;
         let per_a = 1.0 / a;
         let eta = dz2 * per_a;
         let rise = d.z * b * per_a;
-        Approach::Meets(Self {
+        let course = Self {
             a,
             b,
             k2,
@@ -96,7 +110,8 @@ impl Course {
             kappa: eta * (k2 * per_a),
             x: rise - o.z,
             shift,
-        })
+        };
+        (Approach::Meets, course)
     }
 
     /// w where a t + b, half its derivative, has a value.

@@ -138,7 +138,8 @@ impl Line {
     ) -> Self {
         let eta = eta as f32;
         let growth = if eta > 1.0 { eta } else { 1.0 };
-        let z = range.map(|t| ((oz + dz * t) * unit) as f32);
+        // Written out: the compiler keeps closures out of line here.
+        let z = [((oz + dz * range[0]) * unit) as f32, ((oz + dz * range[1]) * unit) as f32];
         // Not a number for a line without end that is perpendicular to the axis.
         let z = if z[0] <= z[1] {
             [z[0] - PADDING, z[1] + PADDING]

@@ -163,11 +163,9 @@ impl Leaf {
         let [r, z] = [&self.r, &self.z];
         if self.piece_and_kind & 1 == 1 {
             let per = 1.0 / fma.fused(fma.fused(z[3], s, r[3]), s, 1.0);
-            let [r, z] = [r, z].map(|c| fma.fused(fma.fused(c[2], s, c[1]), s, c[0]) * per);
-            return (r, z);
+            return (quadratic_value(fma, r, s) * per, quadratic_value(fma, z, s) * per);
         }
-        let cubic = |c: &[f64; 4]| fma.fused(fma.fused(fma.fused(c[3], s, c[2]), s, c[1]), s, c[0]);
-        (cubic(r), cubic(z))
+        (cubic_value(fma, r, s), cubic_value(fma, z, s))
     }
 
     #[inline(always)]
@@ -204,6 +202,16 @@ impl Leaf {
             - eta * fma.fused(r, ddr, dr * dr);
         Expansion { value, half_slope, half_bend, x, dx }
     }
+}
+
+#[inline(always)]
+fn quadratic_value(fma: impl Fused, c: &[f64; 4], s: f64) -> f64 {
+    fma.fused(fma.fused(c[2], s, c[1]), s, c[0])
+}
+
+#[inline(always)]
+fn cubic_value(fma: impl Fused, c: &[f64; 4], s: f64) -> f64 {
+    fma.fused(fma.fused(fma.fused(c[3], s, c[2]), s, c[1]), s, c[0])
 }
 
 /// F with half its first and half its second derivative, and X with its derivative, all at one place.

@@ -123,11 +123,11 @@ impl Wide {
         count: &mut C,
         mut visit: impl FnMut(u32) -> f64,
     ) {
-        let line = Line::of(ray, range, self.unit);
+        let mut line = Line::of(ray, range, self.unit);
         let mut seen = Vec::new();
         dispatch!(self.level, simd => self.walk(
             simd,
-            line,
+            &mut line,
             false,
             count,
             #[inline(always)]
@@ -154,18 +154,19 @@ impl Wide {
         frame: &Frame,
         ray: &Ray,
     ) -> Option<Hit> {
-        let course = match self.approach(frame, ray) {
+        let (approach, course) = self.approach(frame, ray);
+        match approach {
             Approach::Misses => return None,
-            Approach::Meets(course) => course,
+            Approach::Meets => {}
             Approach::Strange => return self.closest_exactly(pieces, frame, ray),
-        };
+        }
         let range = Range::new(self, &course, ray);
         let mut closest: Option<Hit> = None;
         let mut doubt = false;
-        let line = Line::along(&course, range.of_course, self.unit);
+        let mut line = Line::along(&course, range.of_course, self.unit);
         self.walk(
             simd,
-            line,
+            &mut line,
             false,
             &mut (),
             #[inline(always)]
@@ -194,17 +195,18 @@ impl Wide {
 
     #[inline(always)]
     fn any_with<S: Simd>(&self, simd: S, pieces: &[Piece], frame: &Frame, ray: &Ray) -> bool {
-        let course = match self.approach(frame, ray) {
+        let (approach, course) = self.approach(frame, ray);
+        match approach {
             Approach::Misses => return false,
-            Approach::Meets(course) => course,
+            Approach::Meets => {}
             Approach::Strange => return self.closest_exactly(pieces, frame, ray).is_some(),
-        };
+        }
         let range = Range::new(self, &course, ray);
-        let line = Line::along(&course, range.of_course, self.unit);
+        let mut line = Line::along(&course, range.of_course, self.unit);
         let mut found = false;
         let inside = self.walk(
             simd,
-            line,
+            &mut line,
             true,
             &mut (),
             #[inline(always)]
@@ -228,17 +230,18 @@ impl Wide {
         ray: &Ray,
         hits: &mut Vec<Hit>,
     ) {
-        let course = match self.approach(frame, ray) {
+        let (approach, course) = self.approach(frame, ray);
+        match approach {
             Approach::Misses => return,
-            Approach::Meets(course) => course,
+            Approach::Meets => {}
             Approach::Strange => return self.all_exactly(pieces, frame, ray, hits),
-        };
+        }
         let range = Range::new(self, &course, ray);
-        let line = Line::along(&course, range.of_course, self.unit);
+        let mut line = Line::along(&course, range.of_course, self.unit);
         let mut doubt = false;
         self.walk(
             simd,
-            line,
+            &mut line,
             false,
             &mut (),
             #[inline(always)]
@@ -257,7 +260,7 @@ impl Wide {
     }
 
     #[inline(always)]
-    fn approach(&self, frame: &Frame, ray: &Ray) -> Approach {
+    fn approach(&self, frame: &Frame, ray: &Ray) -> (Approach, Course) {
         Course::new(frame, ray, self.radius, self.reach2)
     }
 
@@ -324,7 +327,7 @@ impl Wide {
     fn walk<S: Simd, C: Count>(
         &self,
         simd: S,
-        mut line: Line,
+        line: &mut Line,
         any: bool,
         count: &mut C,
         mut visit: impl FnMut(&mut Line, usize, Option<Roots>) -> bool,
@@ -344,14 +347,14 @@ impl Wide {
                 let last = self.boxes.len().min((first + MANY) / LANES);
                 for (i, boxes) in self.boxes[first / LANES..last].iter().enumerate() {
                     count.test();
-                    waiting |= u64::from(boxes.test(simd, &line)) << (i * LANES);
+                    waiting |= u64::from(boxes.test(simd, line)) << (i * LANES);
                 }
             }
             while let Some(block) = take(&mut waiting, rises) {
                 count.enter();
                 count.test();
                 let block = first + block;
-                self.blocks[block].test(simd, &line, &mut hits);
+                self.blocks[block].test(simd, line, &mut hits);
                 if any && hits.sure & hits.inside != 0 {
                     return true;
                 }
@@ -363,7 +366,7 @@ impl Wide {
                         continue;
                     }
                     count.solve();
-                    if !visit(&mut line, leaf, hits.roots(lane)) {
+                    if !visit(line, leaf, hits.roots(lane)) {
                         return false;
                     }
                 }
