@@ -95,7 +95,7 @@ impl Frame {
 
     /// A point relative to the surface's centre, in the directions of the world: each coordinate as a sum.
     #[inline(always)]
-    pub(crate) fn from_center(&self, point: Vec3) -> [(f64, f64); 3] {
+    pub(crate) fn relative(&self, point: Vec3) -> [(f64, f64); 3] {
         let (p, c) = (point, self.center);
         [two_diff(p.x, c.x), two_diff(p.y, c.y), two_diff(p.z, c.z)]
     }

@@ -11,6 +11,11 @@
 //! For steep rays it grows with eta, but so do its errors: it stays sound as long as `a` does not
 //! vanish beside dz^2.
 
+#![expect(
+    clippy::neg_cmp_op_on_partial_ord,
+    reason = "what is not a number must fail the comparisons, too"
+)]
+
 use super::arithmetic::greater;
 use crate::frame::Frame;
 use crate::{Ray, Vec3};
@@ -81,7 +86,7 @@ impl Course {
         if !(far <= NEAR * radius) {
             let length2 = a + d.z * d.z;
             shift = -o.dot(d) / length2;
-            if !(far <= FAR * radius && length2 >= SHORTEST && length2 <= LONGEST) {
+            if !(far <= FAR * radius && (SHORTEST..=LONGEST).contains(&length2)) {
                 return (Approach::Strange, Self::NONE);
             }
             o = approached(frame, ray, shift);
@@ -92,7 +97,7 @@ impl Course {
             return (Approach::Misses, Self::NONE);
         }
         let dz2 = d.z * d.z;
-        if !(a >= SHORTEST && a <= LONGEST && dz2 <= STEEPEST * a) {
+        if !((SHORTEST..=LONGEST).contains(&a) && dz2 <= STEEPEST * a) {
             return (Approach::Strange, Self::NONE);
         }
         let b = o.x * d.x + o.y * d.y;
@@ -139,7 +144,7 @@ impl Course {
 /// The origin moved along a ray from far away, without losing what cancels.
 #[cold]
 fn approached(frame: &Frame, ray: &Ray, shift: f64) -> Vec3 {
-    let [(x, xl), (y, yl), (z, zl)] = frame.from_center(ray.origin);
+    let [(x, xl), (y, yl), (z, zl)] = frame.relative(ray.origin);
     let d = ray.direction;
     let moved = Vec3::new(
         shift.mul_add(d.x, x) + xl,

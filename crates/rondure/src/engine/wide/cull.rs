@@ -394,6 +394,9 @@ fn splat<S: Simd>(simd: S, value: f32) -> f32x16<S> {
 /// How often a piece is halved to enclose it: its control points are then 64 times nearer to it.
 const HALVINGS: usize = 3;
 
+/// u times this is far below the roundoff of f32.
+const STEEPEST_CHORD: f64 = (1_u32 << 20) as f64;
+
 /// How far w of a piece lies under and over the chord of its ends in (z, w), at most.
 ///
 /// On each part of the piece rho^2 - w(chord) is a polynomial, or a quotient of two, in Bernstein form;
@@ -404,8 +407,8 @@ fn deviation(piece: &Piece, unit: f64) -> [f64; 2] {
     // As w is monotone, so much at the most.
     let most = (w1 - w0).abs();
     let p = (w1 - w0) / (z1 - z0);
-    // A chord so flat that rounding tilts it by more than f32 would.
-    if !(p.abs() < 1e6) {
+    // A chord so flat, or so short, that rounding tilts it by more than f32 would.
+    if p.is_nan() || p.abs() >= STEEPEST_CHORD {
         return [most; 2];
     }
     let mut parts = vec![*piece];

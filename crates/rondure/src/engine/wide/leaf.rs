@@ -146,7 +146,7 @@ impl Leaf {
             s -= step;
             if step.abs() <= LAST_STEP {
                 let above_here = fma.fused(-step, at.dx, at.x) >= 0.0;
-                if !(s >= -OVERSHOOT && s <= 1.0 + OVERSHOOT && above_here == above) {
+                if !((-OVERSHOOT..=1.0 + OVERSHOOT).contains(&s) && above_here == above) {
                     return None;
                 }
                 let s = greater(lesser(s, 1.0), 0.0);
@@ -269,7 +269,7 @@ pub(super) fn solve<'a, S: Simd>(
     }
     let roots = if conics { c.roots::<S, true>(simd) } else { c.roots::<S, false>(simd) };
     for (i, (leaf, course, _, above)) in tasks.iter().enumerate().take(WIDTH) {
-        let inside = roots.s[i] >= -OVERSHOOT && roots.s[i] <= 1.0 + OVERSHOOT;
+        let inside = (-OVERSHOOT..=1.0 + OVERSHOOT).contains(&roots.s[i]);
         let known = inside && roots.step[i].abs() <= LAST_STEP && (roots.x[i] >= 0.0) == *above;
         if known {
             let s = greater(lesser(roots.s[i], 1.0), 0.0);
@@ -300,12 +300,12 @@ impl Columns {
         let mut s = load(&self.s);
         let [value, slope, bend, _] = self.expand::<S, CONIC>(simd, s);
         let curvature = (slope * slope) * f64x8::splat(simd, 4.0) - value * bend;
-        s = s - (two * (value * slope)) / curvature;
+        s -= (two * (value * slope)) / curvature;
         let [value, slope, ..] = self.expand::<S, CONIC>(simd, s);
-        s = s - half * value / slope;
+        s -= half * value / slope;
         let [value, slope, _, x] = self.expand::<S, CONIC>(simd, s);
         let step = half * value / slope;
-        s = s - step;
+        s -= step;
         let clamped = s.max(f64x8::splat(simd, 0.0)).min(f64x8::splat(simd, 1.0));
         let mut r = cubic_of(simd, &self.r, clamped)[0];
         let mut z = cubic_of(simd, &self.z, clamped)[0];
