@@ -132,7 +132,7 @@ impl Frame {
         }
 
         let reach2 = self.radius2 - origin.length_squared();
-        if !(reach2 >= 0.0) {
+        if reach2.is_nan() || reach2 < 0.0 {
             return None;
         }
         // The move went to the closest point only up to rounding, hence twice the radius. The
