@@ -67,11 +67,6 @@ pub(crate) struct Detail {
     pub(crate) sense: f64,
 }
 
-/// Into how many leaves a curved piece is halved, as a power of two: the paper's refinement nodes
-/// below a monotone interval that is a single piece. On the standard shapes 0 and 1 are equally fast,
-/// 2 is slower by 5 % and 3 by 15 %: the tighter shells save less than the deeper tree costs.
-const HALVINGS: u32 = 1;
-
 impl Surface {
     /// Builds the exact engine for a profile.
     pub fn new(profile: &Profile) -> Self {
@@ -94,10 +89,7 @@ impl Surface {
         let mut length_before = 0.0;
         for (subpath, sense) in profile.subpaths().iter().zip(outward_senses(profile)) {
             for curve in subpath.segments() {
-                let whole = piece::cut(curve).into_iter();
-                let parts: Vec<_> =
-                    if exact { whole.flat_map(refine).collect() } else { whole.collect() };
-                for piece in parts {
+                for piece in piece::cut(curve) {
                     let length = ArcLength::new(&piece);
                     details.push(Detail { segment, length_before, length, sense });
                     length_before += length.whole();
@@ -283,7 +275,7 @@ impl Surface {
         let meridian = Meridian::new(local.origin, local.direction);
         let mut closest: Option<Hit> = None;
         let mut end = local.range[1];
-        self.engine.walk(&meridian, local.range, |piece| {
+        self.engine.walk(&local, &meridian, |piece| {
             self.hits_on(piece, ray, &local, &meridian, |hit, t| {
                 let order = |h: &Hit| (h.t, h.piece);
                 if closest.is_none_or(|best| order(&hit) < order(&best)) {
@@ -304,7 +296,7 @@ impl Surface {
         let Some(local) = frame.enter(ray) else { return false };
         let meridian = Meridian::new(local.origin, local.direction);
         let mut end = local.range[1];
-        self.engine.walk(&meridian, local.range, |piece| {
+        self.engine.walk(&local, &meridian, |piece| {
             self.hits_on(piece, ray, &local, &meridian, |_, _| end = f64::NEG_INFINITY);
             end
         });
@@ -318,7 +310,7 @@ impl Surface {
         }
         let Some(local) = frame.enter(ray) else { return };
         let meridian = Meridian::new(local.origin, local.direction);
-        self.engine.walk(&meridian, local.range, |piece| {
+        self.engine.walk(&local, &meridian, |piece| {
             self.hits_on(piece, ray, &local, &meridian, |hit, _| hits.push(hit));
             local.range[1]
         });
@@ -335,7 +327,7 @@ impl Surface {
     ) {
         let Some(local) = frame.enter(&ray.whole()) else { return };
         let meridian = Meridian::new(local.origin, local.direction);
-        self.engine.walk(&meridian, local.range, |piece| {
+        self.engine.walk(&local, &meridian, |piece| {
             root::crossings(&self.pieces[piece as usize], &meridian, |s, local_t, step| {
                 report(Hit { t: local.world_t(local_t), piece, s }, step);
             });
@@ -397,19 +389,6 @@ pub(crate) fn placed_rounding(
         + placement.vector(center).max_abs()
         + placement.point(center).max_abs();
     gamma(16) * (size * (1.0 + condition) + world)
-}
-
-/// Halves a curved piece for the leaves of the tree.
-fn refine(piece: Piece) -> Vec<Piece> {
-    let mut parts = vec![piece];
-    if piece.kind != piece::Kind::Line {
-        for _ in 0..HALVINGS {
-            parts = parts.iter().flat_map(Piece::halves).collect();
-        }
-    }
-    let extent = |p: &Piece| p.start() != p.end();
-    // A piece a few units in the last place long halves into points; then it stays whole.
-    if parts.iter().all(extent) { parts } else { vec![piece] }
 }
 
 impl Surface {

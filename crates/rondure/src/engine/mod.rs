@@ -30,6 +30,7 @@ use self::counters::{Count, Counters};
 use self::frusta::Frusta;
 use self::tree::Tree;
 use self::wide::Wide;
+use crate::frame::LocalRay;
 use crate::meridian::Meridian;
 use crate::piece::Piece;
 use crate::shell::Cone;
@@ -66,16 +67,16 @@ impl Engine {
         }
     }
 
-    /// Calls `visit` for every piece that the ray may hit between the parameters `range`, near ones
-    /// first by and large. `visit` returns up to which parameter the search goes on: the nearest hit
+    /// Calls `visit` for every piece that the ray may hit in its range, near ones first by and large;
+    /// `ray` is the same ray as `local`. `visit` returns up to which parameter the search goes on: the nearest hit
     /// so far, say, or minus infinity to stop.
     #[inline]
-    pub(crate) fn walk(&self, ray: &Meridian, range: [f64; 2], visit: impl FnMut(u32) -> f64) {
+    pub(crate) fn walk(&self, local: &LocalRay, ray: &Meridian, visit: impl FnMut(u32) -> f64) {
         match self {
-            Self::Wide(wide) => wide.candidates(ray, range, &mut (), visit),
-            Self::Exact(tree) => walk_exact(tree, ray, range, &mut (), visit),
-            Self::Frusta(frusta) => frusta.walk(ray, range, &mut (), visit),
-            Self::Counted(engine, counters) => engine.walk_counted(ray, range, counters, visit),
+            Self::Wide(wide) => wide.candidates(local, &mut (), visit),
+            Self::Exact(tree) => walk_exact(tree, ray, local.range, &mut (), visit),
+            Self::Frusta(frusta) => frusta.walk(ray, local.range, &mut (), visit),
+            Self::Counted(engine, counters) => engine.walk_counted(local, ray, counters, visit),
         }
     }
 
@@ -90,16 +91,16 @@ impl Engine {
 
     fn walk_counted(
         &self,
+        local: &LocalRay,
         ray: &Meridian,
-        range: [f64; 2],
         counters: &Counters,
         visit: impl FnMut(u32) -> f64,
     ) {
         let mut work = Statistics { rays: 1, ..Statistics::default() };
         match self {
-            Self::Wide(wide) => wide.candidates(ray, range, &mut work, visit),
-            Self::Exact(tree) => walk_exact(tree, ray, range, &mut work, visit),
-            Self::Frusta(frusta) => frusta.walk(ray, range, &mut work, visit),
+            Self::Wide(wide) => wide.candidates(local, &mut work, visit),
+            Self::Exact(tree) => walk_exact(tree, ray, local.range, &mut work, visit),
+            Self::Frusta(frusta) => frusta.walk(ray, local.range, &mut work, visit),
             Self::Counted(..) => {}
         }
         work.nodes_there = self.node_count() as u64;

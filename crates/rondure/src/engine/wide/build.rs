@@ -1,0 +1,162 @@
+//! From pieces to leaves, and from leaves to blocks and boxes.
+
+use super::block::{Block, LANES};
+use super::boxes::{Boxes, Extent};
+use super::leaf::Leaf;
+use super::quadric::Quadric;
+use crate::piece::Piece;
+
+/// A leaf before it is numbered.
+struct Part {
+    fit: Quadric,
+    leaf: Leaf,
+    extent: Extent,
+}
+
+/// Leaves in blocks of sixteen, with boxes round blocks and round boxes.
+pub(super) struct Built {
+    pub(super) blocks: Vec<Block>,
+    /// In the order of the blocks' lanes.
+    pub(super) leaves: Vec<Leaf>,
+    /// The lowest level first: each box of a level stands for a block, or for sixteen boxes of the level
+    /// below.
+    pub(super) levels: Vec<Vec<Boxes>>,
+}
+
+/// Into how many parts a piece is halved at the most, as a power of two.
+const MOST_HALVINGS: u32 = 5;
+/// Part of the radius that a quadric may be off the curve; a first guess is as far off.
+const FINE: f64 = 2e-5;
+/// How far its tangent may be off, as an angle.
+const SLOPE: f64 = 0.05;
+/// How far the first guess of the parameter may be off, as a part of the leaf.
+const GUESS: f64 = 1.0 / 256.0;
+
+/// Halves a piece until quadrics are near enough.
+fn parts(index: u32, piece: &Piece, unit: f64, parts: &mut Vec<Part>) {
+    let mut waiting = vec![([0.0, 1.0], 0)];
+    while let Some(([s0, s1], halvings)) = waiting.pop() {
+        let fit = Quadric::new(piece, [s0, s1], unit);
+        let fine = fit.error <= FINE
+            && fit.slope * fit.growth() <= 2.0 * SLOPE
+            && fit.guess.error <= GUESS * (s1 - s0);
+        if fine || halvings == MOST_HALVINGS {
+            let leaf = Leaf::new(piece.kind, index, &fit);
+            parts.push(Part { fit, leaf, extent: extent(piece, [s0, s1], unit) });
+            continue;
+        }
+        let middle = 0.5 * (s0 + s1);
+        waiting.push(([middle, s1], halvings + 1));
+        waiting.push(([s0, middle], halvings + 1));
+    }
+}
+
+/// The box round a stretch of a piece, which is monotone.
+fn extent(piece: &Piece, ends: [f64; 2], unit: f64) -> Extent {
+    let [a, b] = ends.map(|s| {
+        let point = piece.jet(s).point;
+        [point.z * unit, (point.r * unit).powi(2)]
+    });
+    let range = |i: usize| [a[i].min(b[i]), a[i].max(b[i])];
+    Extent { z: range(0), w: range(1) }
+}
+
+/// About the share of lines that meet a box: its area, less that of the hole.
+fn weight(extent: &Extent) -> f64 {
+    let [r0, r1] = extent.w.map(|w| w.max(0.0).sqrt());
+    let height = extent.z[1] - extent.z[0];
+    (r1 + 0.25 * (r1 - r0)) * height + (r1 * r1 - r0 * r0)
+}
+
+/// What one more block costs, as a part of the weight of all.
+const BLOCK: f64 = 1.0 / 64.0;
+
+/// Cuts a row of leaves into blocks of sixteen at the most, so that the boxes round them are small
+/// together. Returns where each block ends.
+fn cuts(extents: &[Extent]) -> Vec<usize> {
+    let whole = extents.iter().fold(Extent::NONE, |all, own| all.union(own));
+    let block = BLOCK * weight(&whole);
+    // The least cost of the first leaves, and where their last block begins.
+    let mut best = vec![(0.0, 0); extents.len() + 1];
+    for end in 1..=extents.len() {
+        let mut around = Extent::NONE;
+        best[end].0 = f64::INFINITY;
+        for start in (end.saturating_sub(LANES)..end).rev() {
+            around = around.union(&extents[start]);
+            let cost = best[start].0 + block + weight(&around);
+            if cost < best[end].0 || start + 1 == end {
+                best[end] = (cost, start);
+            }
+        }
+    }
+    let mut ends = Vec::new();
+    let mut end = extents.len();
+    while end > 0 {
+        ends.push(end);
+        end = best[end].1;
+    }
+    ends.reverse();
+    ends
+}
+
+/// Builds all of it; the pieces must not be empty.
+pub(super) fn build(pieces: &[Piece], unit: f64) -> Built {
+    let mut row = Vec::new();
+    for (index, piece) in (0..).zip(pieces) {
+        parts(index, piece, unit, &mut row);
+    }
+    let extents: Vec<_> = row.iter().map(|part| part.extent).collect();
+    let mut blocks = Vec::new();
+    let mut leaves = Vec::new();
+    let mut boxes = Vec::new();
+    let mut start = 0;
+    for end in cuts(&extents) {
+        let mut block = Block::EMPTY;
+        for (lane, part) in row[start..end].iter().enumerate() {
+            block.set(lane, &part.fit);
+            leaves.push(part.leaf);
+        }
+        let last = row[end - 1].leaf;
+        leaves.extend(core::iter::repeat_n(last, LANES - (end - start)));
+        blocks.push(block);
+        boxes.push(extents[start..end].iter().fold(Extent::NONE, |all, own| all.union(own)));
+        start = end;
+    }
+    Built { blocks, leaves, levels: levels(boxes) }
+}
+
+/// Boxes round boxes, up to a level that is one vector of them; no level for a single block.
+fn levels(mut extents: Vec<Extent>) -> Vec<Vec<Boxes>> {
+    let mut levels = Vec::new();
+    while extents.len() > 1 {
+        let vectors = extents.chunks(LANES).map(|extents| {
+            let mut vector = Boxes::EMPTY;
+            for (lane, extent) in extents.iter().enumerate() {
+                vector.set(lane, extent);
+            }
+            vector
+        });
+        levels.push(vectors.collect());
+        let around = |own: &[Extent]| own.iter().fold(Extent::NONE, |all, own| all.union(own));
+        extents = extents.chunks(LANES).map(around).collect();
+    }
+    levels
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Profile, piece};
+    #[test]
+    fn stats() {
+        for name in ["vase", "goblet", "pawn", "column", "sphere", "torus", "cone"] {
+            let text = std::fs::read_to_string(format!("../../profiles/{name}.path")).unwrap();
+            let pieces: Vec<_> = Profile::from_path_data(&text).unwrap().segments().flat_map(piece::cut).filter(|p| p.r != [0.0;4]).collect();
+            let built = build(&pieces, 1.0);
+            let mut row = Vec::new();
+            for (i, p) in (0..).zip(&pieces) { parts(i, p, 1.0, &mut row); }
+            println!("{name}: pieces {} leaves {} blocks {} levels {:?}", pieces.len(), row.len(), built.blocks.len(), built.levels.iter().map(Vec::len).collect::<Vec<_>>());
+            if row.len() < 40 { for r in &row { let f = &r.fit; println!("   {} a {:.3} b {:.3} p {:.3} err {:.1e} slope {:.1e} growth {:.1} guess {:.1e} {:?} valid {:?}", r.leaf.piece(), f.alpha, f.beta, f.p, f.error, f.slope*f.growth()*0.5, f.growth(), f.guess.error, f.guess.pole, f.valid); } }
+        }
+    }
+}
