@@ -7,22 +7,28 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
 
-use super::block::{LANES, Probe};
+use super::course::{Course, NEAR};
 
-/// Padding of z and of w: the radius is at most 2, so z and sqrt(w) are, and the roundings of the tests below
-/// are fewer than 32.
-const PADDING: f64 = 2.0 * 32.0 * (0.5 * f32::EPSILON as f64);
+/// How many boxes are tested at once.
+pub(super) const WIDTH: usize = 16;
 
-/// A direction's part along the axis, and the square of that across it, below which they are raised
-/// to it: that moves the ray by less than the padding.
+/// Padding of z, and of w: neither origins nor boxes are farther away than NEAR, and the roundings of the
+/// tests below are fewer than 16, of numbers no larger than that, or than its square.
+const PADDING: [f64; 2] = {
+    let roundoff = 0.5 * f32::EPSILON as f64;
+    [16.0 * roundoff * NEAR, 16.0 * roundoff * NEAR * NEAR * 2.0]
+};
+
+/// A direction's part along the axis, and the square of that across it, in units of its length, below
+/// which they are raised to it: that moves the ray by less than the padding.
 const LEAST: f32 = 1.0 / (1_u32 << 24) as f32;
 
 /// Sixteen boxes.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Boxes {
-    z: [[f32; LANES]; 2],
-    w: [[f32; LANES]; 2],
+    z: [[f32; WIDTH]; 2],
+    w: [[f32; WIDTH]; 2],
 }
 
 /// Ranges of z and w.
@@ -57,48 +63,71 @@ pub(super) struct Slabs {
 
 impl Slabs {
     #[inline(always)]
-    pub(super) fn new(ray: &Probe) -> Self {
-        let a = if ray.a < LEAST * LEAST { LEAST * LEAST } else { ray.a };
-        let dz = if ray.dz.abs() < LEAST { LEAST.copysign(ray.dz) } else { ray.dz };
-        let (b, c, oz, start) = (ray.b, ray.c, ray.oz, ray.start);
-        Self { a, b, c, oz, per_a: 1.0 / a, per_dz: 1.0 / dz, start }
+    pub(super) fn new(ray: &Course) -> Self {
+        let (own_a, own_dz) = (ray.a as f32, ray.direction.z as f32);
+        let length2 = ray.length2 as f32;
+        let least_a = LEAST * LEAST * length2;
+        let a = if own_a < least_a { least_a } else { own_a };
+        // No more than the length, for a length no less than 2^-20.
+        let least_dz = if length2 < 1.0 { LEAST * length2 } else { LEAST };
+        let dz = if own_dz.abs() < least_dz { least_dz.copysign(own_dz) } else { own_dz };
+        Self {
+            a,
+            b: ray.b as f32,
+            c: ray.c as f32,
+            oz: ray.origin.z as f32,
+            per_a: 1.0 / a,
+            per_dz: 1.0 / dz,
+            start: ray.range[0] as f32,
+        }
     }
 }
 
 impl Boxes {
     pub(super) const EMPTY: Self = Self {
         // Nowhere.
-        z: [[f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]],
-        w: [[f32::INFINITY; LANES], [-1.0; LANES]],
+        z: [[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]],
+        w: [[f32::INFINITY; WIDTH], [-1.0; WIDTH]],
     };
 
     pub(super) fn set(&mut self, lane: usize, extent: &Extent) {
         for i in 0..2 {
-            let out = if i == 0 { -PADDING } else { PADDING };
-            self.z[i][lane] = (extent.z[i] + out) as f32;
-            self.w[i][lane] = (extent.w[i] + 2.0 * out) as f32;
+            let out = if i == 0 { -1.0 } else { 1.0 };
+            self.z[i][lane] = (extent.z[i] + out * PADDING[0]) as f32;
+            self.w[i][lane] = (extent.w[i] + out * PADDING[1]) as f32;
         }
     }
 
     /// Which boxes the ray meets before `end`, as a set of bits, and where it enters each.
     #[inline(always)]
     pub(super) fn test<S: Simd>(&self, simd: S, ray: &Slabs, end: f32) -> (u32, f32x16<S>) {
-        let load = |lanes: &[f32; LANES]| f32x16::from_slice(simd, lanes);
-        let splat = |value: f32| f32x16::splat(simd, value);
-        let (oz, per_dz) = (splat(ray.oz), splat(ray.per_dz));
-        let (t0, t1) = ((load(&self.z[0]) - oz) * per_dz, (load(&self.z[1]) - oz) * per_dz);
-        let (a, b, c) = (splat(ray.a), splat(ray.b), splat(ray.c));
-        let outer = load(&self.w[1]);
+        let (oz, per_dz) = (splat(simd, ray.oz), splat(simd, ray.per_dz));
+        let t0 = (load(simd, &self.z[0]) - oz) * per_dz;
+        let t1 = (load(simd, &self.z[1]) - oz) * per_dz;
+        let (a, b, c) = (splat(simd, ray.a), splat(simd, ray.b), splat(simd, ray.c));
+        let outer = load(simd, &self.w[1]);
         let discriminant = b.mul_add(b, a * (outer - c));
-        let root = discriminant.max(splat(0.0)).sqrt();
-        let per_a = splat(ray.per_a);
+        let root = discriminant.max(splat(simd, 0.0)).sqrt();
+        let per_a = splat(simd, ray.per_a);
         let (into, out) = ((-b - root) * per_a, (root - b) * per_a);
-        let enter = t0.min(t1).max(into).max(splat(ray.start));
-        let leave = t0.max(t1).min(out).min(splat(end));
-        let w = |tau: f32x16<S>| a.mul_add(tau, b + b).mul_add(tau, c);
+        let enter = t0.min(t1).max(into).max(splat(simd, ray.start));
+        let leave = t0.max(t1).min(out).min(splat(simd, end));
+        let slope = b + b;
+        let w_enter = a.mul_add(enter, slope).mul_add(enter, c);
+        let w_leave = a.mul_add(leave, slope).mul_add(leave, c);
         let mask = enter.simd_le(leave)
-            & discriminant.simd_ge(splat(0.0))
-            & w(enter).max(w(leave)).simd_ge(load(&self.w[0]));
+            & discriminant.simd_ge(splat(simd, 0.0))
+            & w_enter.max(w_leave).simd_ge(load(simd, &self.w[0]));
         (mask.to_bitmask() as u32, enter)
     }
+}
+
+#[inline(always)]
+fn load<S: Simd>(simd: S, lanes: &[f32; WIDTH]) -> f32x16<S> {
+    f32x16::from_slice(simd, lanes)
+}
+
+#[inline(always)]
+fn splat<S: Simd>(simd: S, value: f32) -> f32x16<S> {
+    f32x16::splat(simd, value)
 }

@@ -1,7 +1,7 @@
 //! From pieces to leaves, and from leaves to blocks and boxes.
 
 use super::block::{Block, LANES};
-use super::boxes::{Boxes, Extent};
+use super::boxes::{Boxes, Extent, WIDTH};
 use super::leaf::Leaf;
 use super::quadric::Quadric;
 use crate::piece::Piece;
@@ -13,7 +13,7 @@ struct Part {
     extent: Extent,
 }
 
-/// Leaves in blocks of sixteen, with boxes round blocks and round boxes.
+/// Leaves in blocks of eight, with boxes round blocks and round boxes.
 pub(super) struct Built {
     pub(super) blocks: Vec<Block>,
     /// In the order of the blocks' lanes.
@@ -23,8 +23,8 @@ pub(super) struct Built {
     pub(super) levels: Vec<Vec<Boxes>>,
 }
 
-/// Into how many parts a piece is halved at the most, as a power of two.
-const MOST_HALVINGS: u32 = 5;
+/// Into how many parts a piece is cut at the most.
+const MOST_PARTS: u32 = 32;
 /// Part of the radius that a quadric may be off the curve; a first guess is as far off.
 const FINE: f64 = 2e-5;
 /// How far its tangent may be off, as an angle.
@@ -32,22 +32,36 @@ const SLOPE: f64 = 0.05;
 /// How far the first guess of the parameter may be off, as a part of the leaf.
 const GUESS: f64 = 1.0 / 256.0;
 
-/// Halves a piece until quadrics are near enough.
+/// Whether a stretch that is a part of a piece needs no further cut.
+fn is_fine(fit: &Quadric, [s0, s1]: [f64; 2]) -> bool {
+    fit.error <= FINE
+        && fit.slope * fit.growth() <= 2.0 * SLOPE
+        && fit.guess.error <= GUESS * (s1 - s0)
+}
+
+/// Cuts a piece into stretches as long as quadrics beside them are near enough.
 fn parts(index: u32, piece: &Piece, unit: f64, parts: &mut Vec<Part>) {
-    let mut waiting = vec![([0.0, 1.0], 0)];
-    while let Some(([s0, s1], halvings)) = waiting.pop() {
-        let fit = Quadric::new(piece, [s0, s1], unit);
-        let fine = fit.error <= FINE
-            && fit.slope * fit.growth() <= 2.0 * SLOPE
-            && fit.guess.error <= GUESS * (s1 - s0);
-        if fine || halvings == MOST_HALVINGS {
-            let leaf = Leaf::new(piece.kind, index, &fit);
-            parts.push(Part { fit, leaf, extent: extent(piece, [s0, s1], unit) });
-            continue;
+    let least = 1.0 / f64::from(MOST_PARTS);
+    let mut start = 0.0_f64;
+    let mut length = 1.0_f64;
+    while start < 1.0 {
+        let mut best = None;
+        // Longer than the last one at first, then shorter.
+        let mut tried: f64 = (4.0 / 3.0 * length).min(1.0 - start);
+        loop {
+            let tried_end = if start + tried > 1.0 - least { 1.0 } else { start + tried };
+            let fit = Quadric::new(piece, [start, tried_end], unit);
+            if is_fine(&fit, [start, tried_end]) || tried <= least {
+                best = Some((fit, tried_end));
+                break;
+            }
+            tried = (0.8 * tried).max(least);
         }
-        let middle = 0.5 * (s0 + s1);
-        waiting.push(([middle, s1], halvings + 1));
-        waiting.push(([s0, middle], halvings + 1));
+        let Some((fit, end)) = best else { return };
+        let leaf = Leaf::new(piece.kind, index, &fit);
+        parts.push(Part { fit, leaf, extent: extent(piece, [start, end], unit) });
+        length = end - start;
+        start = end;
     }
 }
 
@@ -71,7 +85,7 @@ fn weight(extent: &Extent) -> f64 {
 /// What one more block costs, as a part of the weight of all.
 const BLOCK: f64 = 1.0 / 64.0;
 
-/// Cuts a row of leaves into blocks of sixteen at the most, so that the boxes round them are small
+/// Cuts a row of leaves into blocks of eight at the most, so that the boxes round them are small
 /// together. Returns where each block ends.
 fn cuts(extents: &[Extent]) -> Vec<usize> {
     let whole = extents.iter().fold(Extent::NONE, |all, own| all.union(own));
@@ -100,7 +114,7 @@ fn cuts(extents: &[Extent]) -> Vec<usize> {
 }
 
 /// Builds all of it; the pieces must not be empty.
-pub(super) fn build(pieces: &[Piece], unit: f64) -> Built {
+pub(super) fn build(pieces: &[Piece], unit: f64, radius: f64) -> Built {
     let mut row = Vec::new();
     for (index, piece) in (0..).zip(pieces) {
         parts(index, piece, unit, &mut row);
@@ -113,7 +127,7 @@ pub(super) fn build(pieces: &[Piece], unit: f64) -> Built {
     for end in cuts(&extents) {
         let mut block = Block::EMPTY;
         for (lane, part) in row[start..end].iter().enumerate() {
-            block.set(lane, &part.fit);
+            block.set(lane, &part.fit, radius);
             leaves.push(part.leaf);
         }
         let last = row[end - 1].leaf;
@@ -129,7 +143,7 @@ pub(super) fn build(pieces: &[Piece], unit: f64) -> Built {
 fn levels(mut extents: Vec<Extent>) -> Vec<Vec<Boxes>> {
     let mut levels = Vec::new();
     while extents.len() > 1 {
-        let vectors = extents.chunks(LANES).map(|extents| {
+        let vectors = extents.chunks(WIDTH).map(|extents| {
             let mut vector = Boxes::EMPTY;
             for (lane, extent) in extents.iter().enumerate() {
                 vector.set(lane, extent);
@@ -138,7 +152,7 @@ fn levels(mut extents: Vec<Extent>) -> Vec<Vec<Boxes>> {
         });
         levels.push(vectors.collect());
         let around = |own: &[Extent]| own.iter().fold(Extent::NONE, |all, own| all.union(own));
-        extents = extents.chunks(LANES).map(around).collect();
+        extents = extents.chunks(WIDTH).map(around).collect();
     }
     levels
 }
@@ -152,11 +166,11 @@ mod tests {
         for name in ["vase", "goblet", "pawn", "column", "sphere", "torus", "cone"] {
             let text = std::fs::read_to_string(format!("../../profiles/{name}.path")).unwrap();
             let pieces: Vec<_> = Profile::from_path_data(&text).unwrap().segments().flat_map(piece::cut).filter(|p| p.r != [0.0;4]).collect();
-            let built = build(&pieces, 1.0);
+            let built = build(&pieces, 1.0, 2.0);
             let mut row = Vec::new();
             for (i, p) in (0..).zip(&pieces) { parts(i, p, 1.0, &mut row); }
             println!("{name}: pieces {} leaves {} blocks {} levels {:?}", pieces.len(), row.len(), built.blocks.len(), built.levels.iter().map(Vec::len).collect::<Vec<_>>());
-            if row.len() < 40 { for r in &row { let f = &r.fit; println!("   {} a {:.3} b {:.3} p {:.3} err {:.1e} slope {:.1e} growth {:.1} guess {:.1e} {:?} valid {:?}", r.leaf.piece(), f.alpha, f.beta, f.p, f.error, f.slope*f.growth()*0.5, f.growth(), f.guess.error, f.guess.pole, f.valid); } }
+            if name == "goblet" || name=="column" { for r in row.iter().take(120) { let f = &r.fit; println!("   {} a {:.3} b {:.3} p {:.3} err {:.1e} slope {:.1e} growth {:.1} guess {:.1e} {:?} valid {:?}", r.leaf.piece(), f.alpha, f.beta, f.p, f.error, f.slope*f.growth()*0.5, f.growth(), f.guess.error, f.guess.pole, f.valid); } }
         }
     }
 }

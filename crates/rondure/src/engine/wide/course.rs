@@ -1,15 +1,12 @@
 //! A ray near the surface, in the surface's own size: what the wide engine works on.
 //!
-//! Lengths are measured in a power of two near the surface's radius R, so that R is between 1 and 2; the
-//! direction is brought to a squared length between 1/2 and 2 by another power of two. Neither rounds
-//! anything. The origin moves along the ray to the point closest to the surface's centre
-//! ([`frame`](crate::frame) says why). Then
+//! Lengths are measured in a power of two near the surface's radius R, so that R is between 1 and 2, which
+//! rounds nothing. A ray from afar first moves along itself to the point closest to the surface's centre
+//! ([`frame`](crate::frame) says why). With t = tau + shift,
 //!
 //! ```text
-//! t = (tau + shift) scale,    |o| <= R,    w(tau) = a tau^2 + 2 b tau + c,    z(tau) = oz + tau dz,
+//! w(tau) = rho^2 = a tau^2 + 2 b tau + c,    z(tau) = oz + tau dz.
 //! ```
-//!
-//! and nothing here can overflow, vanish, or lose what cancels.
 
 #![expect(
     clippy::neg_cmp_op_on_partial_ord,
@@ -25,11 +22,16 @@ use crate::{Ray, Vec3};
 pub(super) struct Course {
     pub(super) origin: Vec3,
     pub(super) direction: Vec3,
+    pub(super) a: f64,
+    pub(super) b: f64,
+    pub(super) c: f64,
+    /// The squared length of the direction.
+    pub(super) length2: f64,
+    /// The largest coordinate of the origin, or more.
+    pub(super) far: f64,
     /// Between which parameters hits count.
     pub(super) range: [f64; 2],
-    /// The ray's own parameter is (tau + shift) scale.
     pub(super) shift: f64,
-    pub(super) scale: f64,
 }
 
 /// What there is to do about a ray.
@@ -53,27 +55,26 @@ pub(super) struct Outline {
     pub(super) reach2: f64,
 }
 
-/// From so far away, in these units, k is good to 2^-40: [`Outline::reach2`] has room for that.
+/// Rays from no farther away, in these units, keep their origin.
+pub(super) const NEAR: f64 = 8.0;
+/// From so far away k is good to 2^-40: [`Outline::reach2`] has room for that.
 pub(super) const FAR: f64 = 4096.0;
-/// In a frame that turns rays, from so far away the differences to the centre are good enough.
-const FAR_TURNED: f64 = 16.0;
 
-/// The exponents, biased as in an f64, that a direction's squared length may have.
-const EXPONENTS: core::ops::RangeInclusive<u64> = 1023 - 400..=1023 + 400;
-
-/// Two to the power `exponent`, which must be that of an ordinary f64.
-#[inline(always)]
-fn power_of_two(exponent: i64) -> f64 {
-    f64::from_bits(((1023 + exponent) as u64) << 52)
-}
+/// Squared lengths of directions, in these units, for which nothing overflows, not even in f32, or vanishes.
+const SHORTEST: f64 = 1.0 / (1_u64 << 40) as f64;
+const LONGEST: f64 = (1_u64 << 40) as f64;
 
 impl Course {
     const NONE: Self = Self {
         origin: Vec3::ZERO,
         direction: Vec3::ZERO,
+        a: 0.0,
+        b: 0.0,
+        c: 0.0,
+        length2: 0.0,
+        far: 0.0,
         range: [0.0; 2],
         shift: 0.0,
-        scale: 0.0,
     };
 
     /// A ray as a surface sees it that stands in a frame.
@@ -90,64 +91,63 @@ impl Course {
         }
         let unit = outline.unit;
         let [o, d] = frame.turn(ray);
-        let turned = frame.inverse().is_some();
-        // What the difference to the centre has lost; on the axis nothing but in z.
-        let (z, z_low) = if turned { (o.z, 0.0) } else { frame.relative(ray.origin)[2] };
-        let o = Vec3::new(o.x * unit, o.y * unit, z * unit);
-        let far = greater(greater(o.x.abs(), o.y.abs()), o.z.abs());
-        let a = d.x * d.x + d.y * d.y;
-        let length2 = d.z * d.z + a;
-        let exponent = length2.to_bits() >> 52;
-        if !(far <= if turned { FAR_TURNED } else { FAR }) || !EXPONENTS.contains(&exponent) {
+        let (mut origin, direction) = (o * unit, d * unit);
+        let a = direction.x * direction.x + direction.y * direction.y;
+        let k = origin.x * direction.y - origin.y * direction.x;
+        let mut far = greater(greater(origin.x.abs(), origin.y.abs()), origin.z.abs());
+        let length2 = direction.z * direction.z + a;
+        if !(SHORTEST..=LONGEST).contains(&length2) || !(far <= FAR) {
             return (Approach::Strange, Self::NONE);
         }
-        let k = o.x * d.y - o.y * d.x;
         if !(k * k <= a * outline.reach2) {
             return (Approach::Misses, Self::NONE);
         }
-        let halves = (exponent as i64 - 1022) >> 1;
-        let (up, down) = (power_of_two(halves), power_of_two(-halves));
-        let shift = -o.dot(d) / length2;
-        let origin = Vec3::new(
-            fma.fused(shift, d.x, o.x),
-            fma.fused(shift, d.y, o.y),
-            fma.fused(shift, d.z, o.z) + z_low * unit,
-        );
-        if !(origin.dot(origin) <= outline.radius2) {
+        let mut shift = 0.0;
+        if !(far <= NEAR) {
+            shift = -origin.dot(direction) / length2;
+            origin = approached(fma, frame, ray, unit, shift);
+            far = NEAR;
+        }
+        let b = origin.x * direction.x + origin.y * direction.y;
+        let c = origin.x * origin.x + origin.y * origin.y;
+        let along = fma.fused(origin.z, direction.z, b);
+        let outside = fma.fused(origin.z, origin.z, c) - outline.radius2;
+        if !(along * along >= outside * length2) {
             return (Approach::Misses, Self::NONE);
         }
-        let (scale_in, scale) = (unit * up, down / unit);
-        let shift = shift * up;
-        let range = [ray.t_min * scale_in - shift, ray.t_max * scale_in - shift];
-        (Approach::Meets, Self { origin, direction: d * down, range, shift, scale })
+        let range = [ray.t_min - shift, ray.t_max - shift];
+        (Approach::Meets, Self { origin, direction, a, b, c, length2, far, range, shift })
     }
 
     /// A ray that has come near already, with parameters of its own.
     pub(super) fn of(ray: &LocalRay, outline: &Outline) -> Self {
-        let length2 = ray.direction.length_squared();
-        let halves = (((length2.to_bits() >> 52) as i64) - 1022) >> 1;
-        let (up, down) = (power_of_two(halves), power_of_two(-halves));
-        let scale_in = outline.unit * up;
+        let (o, d) = (ray.origin * outline.unit, ray.direction * outline.unit);
+        let a = d.x * d.x + d.y * d.y;
         Self {
-            origin: ray.origin * outline.unit,
-            direction: ray.direction * down,
-            range: ray.range.map(|t| t * scale_in),
+            origin: o,
+            direction: d,
+            a,
+            b: o.x * d.x + o.y * d.y,
+            c: o.x * o.x + o.y * o.y,
+            length2: a + d.z * d.z,
+            far: o.max_abs(),
+            range: ray.range,
             shift: 0.0,
-            scale: down / outline.unit,
         }
     }
+}
 
-    /// The parameter in units of the ray's own direction.
-    #[inline(always)]
-    pub(super) fn world_t(&self, tau: f64) -> f64 {
-        (tau + self.shift) * self.scale
-    }
-
-    /// The inverse of [`world_t`](Self::world_t).
-    #[inline(always)]
-    pub(super) fn tau(&self, t: f64) -> f64 {
-        t / self.scale - self.shift
-    }
+/// The origin moved along a ray from far away, without losing what cancels.
+#[inline(never)]
+fn approached(fma: impl Fused, frame: &Frame, ray: &Ray, unit: f64, shift: f64) -> Vec3 {
+    let [(x, xl), (y, yl), (z, zl)] = frame.relative(ray.origin);
+    let d = ray.direction;
+    let moved = Vec3::new(
+        fma.fused(shift, d.x, x) + xl,
+        fma.fused(shift, d.y, y) + yl,
+        fma.fused(shift, d.z, z) + zl,
+    );
+    frame.turned(moved) * unit
 }
 
 /// Whether a ray surely passes the axis too far away, by a few multiplications alone: most rays of a
@@ -155,9 +155,9 @@ impl Course {
 #[inline(always)]
 pub(super) fn passes(ray: &Ray, outline: &Outline) -> bool {
     let (o, d) = (ray.origin, ray.direction);
-    let (x, y) = (o.x * outline.unit, o.y * outline.unit);
-    let k = x * d.y - y * d.x;
+    let k = (o.x * d.y - o.y * d.x) * outline.unit;
     // From farther away rounding could say so.
-    let near = x.abs() <= FAR && y.abs() <= FAR;
+    let far = FAR / outline.unit;
+    let near = o.x.abs() <= far && o.y.abs() <= far;
     near && k * k > (d.x * d.x + d.y * d.y) * outline.reach2
 }

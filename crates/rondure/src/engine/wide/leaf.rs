@@ -46,10 +46,10 @@ const POLE_AT_END: u32 = 4;
 /// Where a leaf may be hit.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Spot {
-    pub(super) lambda: f32,
-    pub(super) tau: f32,
+    pub(super) lambda: f64,
+    pub(super) tau: f64,
     /// How far off tau may be.
-    pub(super) blur: f32,
+    pub(super) blur: f64,
 }
 
 /// What is known of the hit at a spot.
@@ -63,14 +63,14 @@ pub(super) enum Finding {
     Unknown,
 }
 
-/// A step in s and tau shorter than this is the last: what remains is some multiple of its square.
+/// A step in s, or along the ray, shorter than this is the last: what remains is some multiple of its square.
 const LAST_STEP: f64 = 1.0 / (1_u64 << 27) as f64;
-/// More are needed only near an end on the axis, and near a tangency.
-const MOST_STEPS: u32 = 5;
+/// More than two are needed only near an end on the axis, and near a tangency.
+const MORE_STEPS: u32 = 3;
 
-/// How far off rounding may put a point of the curve, or of the ray, per coordinate: fewer than
-/// twelve roundings of numbers no larger than the radius, which is at most 2.
-const ROUNDING: f64 = 12.0 * UNIT_ROUNDOFF;
+/// How far off rounding may put a point of the curve, or of the ray, per coordinate: fewer than six
+/// roundings of numbers no larger than the radius, which is at most 2, and the ray's origin.
+const ROUNDING: f64 = 6.0 * UNIT_ROUNDOFF;
 
 impl Curve {
     pub(super) fn new(piece: &Piece, unit: f64) -> Self {
@@ -173,56 +173,38 @@ impl Leaf {
         course: &Course,
         spot: Spot,
     ) -> Finding {
-        let (o, d) = (course.origin, course.direction);
-        let mut s = self.guess(fma, f64::from(spot.lambda));
-        let guess = f64::from(spot.tau);
-        let mut tau = guess;
-        for _ in 0..MOST_STEPS {
-            let [r, dr, z, dz] = curve.at::<CONIC>(fma, s);
-            let (x, y) = (fma.fused(d.x, tau, o.x), fma.fused(d.y, tau, o.y));
-            let f = fma.fused(-d.z, tau, z - o.z);
-            let g = 0.5 * fma.fused(x, x, fma.fused(y, y, -(r * r)));
-            let drho = fma.fused(x, d.x, y * d.y);
-            let dw = r * dr;
-            let per = 1.0 / fma.fused(dz, drho, -(dw * d.z));
-            let step_s = fma.fused(f, drho, d.z * g) * per;
-            let step_tau = fma.fused(dz, g, dw * f) * per;
-            s -= step_s;
-            tau -= step_tau;
-            if step_s.abs() <= LAST_STEP && step_tau.abs() <= LAST_STEP {
-                let error = ROUNDING * per.abs();
-                let margin_s = error * fma.fused(d.z.abs(), r, drho.abs());
-                let margin = error * (r * (dr.abs() + dz.abs()));
-                return self.judge(course, spot, s, tau, margin_s, margin);
+        let first = Step::new::<CONIC>(fma, curve, course, self.guess(fma, spot.lambda), spot.tau);
+        let mut step = Step::new::<CONIC>(fma, curve, course, first.s, first.tau);
+        let mut more = MORE_STEPS;
+        // Also where one is not a number.
+        while !step.is_last(course) {
+            if more == 0 {
+                return Finding::Unknown;
             }
+            more -= 1;
+            step = Step::new::<CONIC>(fma, curve, course, step.s, step.tau);
         }
-        Finding::Unknown
+        self.judge(course, spot, &step)
     }
 
+    /// Whether the hit that was found is the one that was looked for, on the piece and in the range.
     #[inline(always)]
-    fn judge(
-        &self,
-        course: &Course,
-        spot: Spot,
-        s: f64,
-        tau: f64,
-        margin_s: f64,
-        margin: f64,
-    ) -> Finding {
-        let blur = 2.0 * f64::from(spot.blur);
+    fn judge(&self, course: &Course, spot: Spot, step: &Step) -> Finding {
+        let (s, tau) = (step.s, step.tau);
         // Both false where one is not a number.
-        let there = (tau - f64::from(spot.tau)).abs() <= blur;
+        let there = (tau - spot.tau).abs() <= 2.0 * spot.blur;
         let valid = s >= f64::from(self.valid[0]) && s <= f64::from(self.valid[1]);
         if !(there && valid) {
             return Finding::Unknown;
         }
+        let rounding = ROUNDING * (2.0 + course.far) * step.per.abs();
+        let off_s = rounding * step.along;
+        let off = rounding * step.across + 4.0 * UNIT_ROUNDOFF * (tau.abs() + course.shift.abs());
         let [start, end] = course.range;
-        let near = margin + 4.0 * UNIT_ROUNDOFF * (tau.abs() + course.shift.abs());
-        if s > margin_s && s < 1.0 - margin_s && tau > start + near && tau < end - near {
-            return Finding::Hit { tau, s, margin: near };
+        if s > off_s && s < 1.0 - off_s && tau > start + off && tau < end - off {
+            return Finding::Hit { tau, s, margin: off };
         }
-        let outside = s < -margin_s || s > 1.0 + margin_s;
-        if outside || tau < start - near || tau > end + near {
+        if s < -off_s || s > 1.0 + off_s || tau < start - off || tau > end + off {
             return Finding::None;
         }
         Finding::Unknown
@@ -237,5 +219,55 @@ impl Leaf {
         }
         let distance = if value > 0.0 { value.sqrt() } else { 0.0 };
         if self.flags & POLE_AT_END == 0 { distance } else { 1.0 - distance }
+    }
+}
+
+/// A step of Newton's, and where it leads.
+struct Step {
+    s: f64,
+    tau: f64,
+    by_s: f64,
+    by_tau: f64,
+    /// One over the determinant.
+    per: f64,
+    /// By how much rounding in f and g, per unit of length, moves s and tau, times the determinant.
+    along: f64,
+    across: f64,
+}
+
+impl Step {
+    #[inline(always)]
+    fn new<const CONIC: bool>(
+        fma: impl Fused,
+        curve: &Curve,
+        course: &Course,
+        s: f64,
+        tau: f64,
+    ) -> Self {
+        let (o, d) = (course.origin, course.direction);
+        let [r, dr, z, dz] = curve.at::<CONIC>(fma, s);
+        let (x, y) = (fma.fused(d.x, tau, o.x), fma.fused(d.y, tau, o.y));
+        let f = fma.fused(-d.z, tau, z - o.z);
+        let g = 0.5 * fma.fused(x, x, fma.fused(y, y, -(r * r)));
+        let rho = fma.fused(x, d.x, y * d.y);
+        let w = r * dr;
+        let per = 1.0 / fma.fused(dz, rho, -(w * d.z));
+        let by_s = fma.fused(f, rho, d.z * g) * per;
+        let by_tau = fma.fused(dz, g, w * f) * per;
+        Self {
+            s: s - by_s,
+            tau: tau - by_tau,
+            by_s,
+            by_tau,
+            per,
+            along: fma.fused(d.z.abs(), r, rho.abs()),
+            across: r * (dr.abs() + dz.abs()),
+        }
+    }
+
+    #[inline(always)]
+    fn is_last(&self, course: &Course) -> bool {
+        let last2 = LAST_STEP * LAST_STEP;
+        self.by_s * self.by_s <= last2 && self.by_tau * self.by_tau * course.length2 <= last2
     }
 }

@@ -29,7 +29,7 @@ mod walk;
 use fearless_simd::{Level, Simd, dispatch};
 
 use self::arithmetic::Best;
-use self::block::{Block, Probe};
+use self::block::Block;
 use self::boxes::Boxes;
 use self::course::{Approach, Course, FAR, Outline, passes};
 use self::leaf::{Curve, Leaf};
@@ -62,7 +62,7 @@ impl Wide {
         let r_max = pieces.iter().fold(0.0_f64, |m, p| m.max(p.r[0]).max(p.r[3]));
         let size = radius * unit;
         let reach = r_max * unit + gamma(64) * size + 8.0 * FAR * UNIT_ROUNDOFF;
-        let built = build::build(pieces, unit);
+        let built = build::build(pieces, unit, size);
         Self {
             level,
             outline: Outline {

@@ -22,6 +22,8 @@ use crate::piece::{Kind, Piece};
 const BEYOND: f64 = 1.0 / 16.0;
 /// Into how many parts the stretch is cut, to have its Bernstein coefficients near it.
 const PARTS: usize = 3;
+/// What curvature costs, in units of the error: the terms of Q grow with it, and so do their roundings.
+const CURVED: f64 = 1e-9;
 /// What rounding leaves of a coefficient that vanishes, as a part of the largest.
 const NOTHING: f64 = 1e-13;
 
@@ -192,7 +194,8 @@ impl Quadric {
             let scale = 1.0 / gradient;
             let own = Self { alpha: alpha * scale, beta: beta * scale, p: p * scale, ..best };
             let bounded = own.bounded(&parts, middle);
-            if bounded.error < best.error {
+            let cost = |own: &Self| own.error + CURVED * own.p.abs();
+            if cost(&bounded) < cost(&best) {
                 best = bounded;
             }
         }

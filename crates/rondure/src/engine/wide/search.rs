@@ -2,11 +2,11 @@
 
 use arrayvec::ArrayVec;
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, mask32x16};
+use fearless_simd::{Simd, f64x8, mask64x8};
 
 use super::Wide;
 use super::arithmetic::Best;
-use super::block::{LANES, Meeting, Probe};
+use super::block::{LANES, Meeting};
 use super::course::Course;
 use super::exactly::sort;
 use super::leaf::{Finding, Spot};
@@ -20,9 +20,6 @@ use crate::{Ray, numeric::UNIT_ROUNDOFF};
 /// How far off the exact engine's hits count as being when they are compared with those of other
 /// pieces, in units of the radius.
 const EXACT_MARGIN: f64 = gamma(1 << 23);
-
-/// More than rounding to f32 can make of the parameter of a hit.
-const END: f32 = 16.0 * f32::EPSILON;
 
 /// The nearest hit so far.
 #[derive(Clone, Copy, Debug)]
@@ -47,19 +44,13 @@ impl Nearest {
             *self = Self { tau, s, piece, margin, doubt: self.doubt };
         }
     }
-
-    /// The end of the ray beyond it.
-    #[inline(always)]
-    fn end(&self) -> f32 {
-        self.tau as f32 + END
-    }
 }
 
 /// The spots of a block, kept for as long as they wait.
 struct Spots<S: Simd> {
     meeting: Meeting<S>,
     /// Where each may be at the least.
-    low: [f32x16<S>; 2],
+    low: [f64x8<S>; 2],
     /// Which of the first and of the second roots wait.
     waiting: [u32; 2],
 }
@@ -76,12 +67,12 @@ impl<S: Simd> Spots<S> {
     /// Takes out the one that may be the nearest, with its leaf's lane.
     #[inline(always)]
     fn nearest(&mut self, simd: S) -> (usize, Spot) {
-        let mask = |bits: u32| mask32x16::from_bitmask(simd, u64::from(bits));
-        let [near, far] = [mask(self.waiting[0]), mask(self.waiting[1])];
-        let none = f32x16::splat(simd, f32::INFINITY);
+        let near = mask64x8::from_bitmask(simd, u64::from(self.waiting[0]));
+        let far = mask64x8::from_bitmask(simd, u64::from(self.waiting[1]));
+        let none = f64x8::splat(simd, f64::INFINITY);
         let low = near.select(self.low[0], far.select(self.low[1], none));
         let least = low.reduce_min();
-        let bits = low.simd_le(f32x16::splat(simd, least)).to_bitmask() as u32;
+        let bits = low.simd_le(f64x8::splat(simd, least)).to_bitmask() as u32;
         let lane = bits.trailing_zeros() as usize % LANES;
         let second = usize::from(self.waiting[0] & 1 << lane == 0);
         self.waiting[second] &= !(1 << lane);
@@ -99,8 +90,8 @@ impl<S: Simd> Spots<S> {
 
     /// Leaves out what lies beyond `end`.
     #[inline(always)]
-    fn cut(&mut self, simd: S, end: f32) {
-        let end = f32x16::splat(simd, end);
+    fn cut(&mut self, simd: S, end: f64) {
+        let end = f64x8::splat(simd, end);
         for (waiting, low) in self.waiting.iter_mut().zip(self.low) {
             *waiting &= low.simd_le(end).to_bitmask() as u32;
         }
@@ -123,19 +114,18 @@ impl Wide {
         course: &Course,
     ) -> Option<Hit> {
         let mut nearest = Nearest::NONE;
-        let mut probe = Probe::new(course);
         self.walk(
             simd,
-            &mut probe,
+            course,
             &mut (),
             #[inline(always)]
-            |probe, block, ()| {
-                let meeting = self.blocks[block].test::<S, false>(simd, probe);
+            |end, block, ()| {
+                let meeting = self.blocks[block].test::<S, false>(simd, course, *end);
                 let tangent = meeting.tangent;
                 let mut spots = Spots::new(meeting);
                 if tangent != 0 {
                     self.consider_tangents(block, tangent, pieces, frame, ray, course, &mut nearest);
-                    probe.end = probe.end.min(nearest.end());
+                    *end = end.min(nearest.tau);
                 }
                 while !spots.is_empty() {
                     let (lane, spot) = spots.nearest(simd);
@@ -156,8 +146,8 @@ impl Wide {
                             );
                         }
                     }
-                    probe.end = probe.end.min(nearest.end());
-                    spots.cut(simd, probe.end);
+                    *end = end.min(nearest.tau);
+                    spots.cut(simd, *end);
                 }
                 true
             },
@@ -166,7 +156,7 @@ impl Wide {
             return self.closest_exactly(pieces, frame, ray);
         }
         (nearest.tau < f64::INFINITY).then(|| Hit {
-            t: course.world_t(nearest.tau),
+            t: nearest.tau + course.shift,
             piece: nearest.piece,
             s: nearest.s,
         })
@@ -184,9 +174,9 @@ impl Wide {
         course: &Course,
         nearest: &mut Nearest,
     ) {
-        let margin = EXACT_MARGIN + 4.0 * UNIT_ROUNDOFF * course.shift.abs();
+        let margin = EXACT_MARGIN / course.length2.sqrt() + 4.0 * UNIT_ROUNDOFF * course.shift.abs();
         for hit in self.hits_exactly(pieces, frame, ray, piece) {
-            nearest.consider(course.tau(hit.t), hit.s, piece, margin);
+            nearest.consider(hit.t - course.shift, hit.s, piece, margin);
         }
     }
 
@@ -222,32 +212,31 @@ impl Wide {
         ray: &Ray,
         course: &Course,
     ) -> bool {
-        let mut probe = Probe::new(course);
         let mut found = false;
         // Blocks that may have a hit wait until it is known that no other has one for certain.
         let mut unsure = ArrayVec::<u32, LANES>::new();
         self.walk(
             simd,
-            &mut probe,
+            course,
             &mut (),
             #[inline(always)]
-            |probe, block, ()| {
-                let meeting = self.blocks[block].test::<S, true>(simd, probe);
+            |end, block, ()| {
+                let meeting = self.blocks[block].test::<S, true>(simd, course, *end);
                 if meeting.sure != 0 {
                     found = true;
                     return false;
                 }
                 let may = (meeting.may[0] | meeting.may[1]).to_bitmask() as u32;
                 if may | meeting.tangent != 0 && unsure.try_push(block as u32).is_err() {
-                    found = self.any_in(simd, pieces, frame, ray, course, probe, block);
+                    found = self.any_in(simd, pieces, frame, ray, course, block);
                 }
                 !found
             },
         );
-        let mut any = |&block: &u32| {
-            self.any_in(simd, pieces, frame, ray, course, &probe, block as usize)
-        };
-        found || unsure.iter().any(&mut any)
+        for block in unsure {
+            found = found || self.any_in(simd, pieces, frame, ray, course, block as usize);
+        }
+        found
     }
 
     /// Whether there is a hit in a block.
@@ -260,10 +249,9 @@ impl Wide {
         frame: &Frame,
         ray: &Ray,
         course: &Course,
-        probe: &Probe,
         block: usize,
     ) -> bool {
-        let meeting = self.blocks[block].test::<S, false>(simd, probe);
+        let meeting = self.blocks[block].test::<S, false>(simd, course, course.range[1]);
         let mut unknown = meeting.tangent;
         let spots = Spots::new(meeting);
         for second in [0, 1] {
@@ -296,16 +284,15 @@ impl Wide {
         course: &Course,
         hits: &mut Vec<Hit>,
     ) {
-        let mut probe = Probe::new(course);
         let mut doubt = false;
         let mut widest = 0.0_f64;
         self.walk(
             simd,
-            &mut probe,
+            course,
             &mut (),
             #[inline(always)]
-            |probe, block, ()| {
-                let meeting = self.blocks[block].test::<S, false>(simd, probe);
+            |end, block, ()| {
+                let meeting = self.blocks[block].test::<S, false>(simd, course, *end);
                 doubt = meeting.tangent != 0;
                 let spots = Spots::new(meeting);
                 for second in [0, 1] {
@@ -316,7 +303,7 @@ impl Wide {
                         match leaf.hit(Best(simd), &self.curves, course, spot) {
                             Finding::None => {}
                             Finding::Hit { tau, s, margin } => {
-                                let t = course.world_t(tau);
+                                let t = tau + course.shift;
                                 hits.push(Hit { t, piece: leaf.piece(), s });
                                 widest = widest.max(margin);
                             }
@@ -329,7 +316,7 @@ impl Wide {
         );
         sort(hits);
         // Hits of two leaves at one place are one hit, or two in an order that rounding must not choose.
-        let close = 2.0 * widest * course.scale;
+        let close = 2.0 * widest;
         if doubt || hits.windows(2).any(|pair| pair[1].t - pair[0].t <= close) {
             self.all_exactly(pieces, frame, ray, hits);
         }
@@ -343,17 +330,15 @@ impl Wide {
         count: &mut C,
         mut visit: impl FnMut(u32) -> f64,
     ) {
-        let mut probe = Probe::new(course);
-        let scale_in = 1.0 / course.scale;
         let mut seen = Vec::new();
         self.walk(
             simd,
-            &mut probe,
+            course,
             count,
             #[inline(always)]
-            |probe, block, count| {
+            |end, block, count| {
                 count.test();
-                let meeting = self.blocks[block].test::<S, false>(simd, probe);
+                let meeting = self.blocks[block].test::<S, false>(simd, course, *end);
                 let tangent = meeting.tangent;
                 let mut spots = Spots::new(meeting);
                 let mut order = ArrayVec::<usize, { 3 * LANES }>::new();
@@ -372,11 +357,11 @@ impl Wide {
                     seen.push(piece);
                     count.positive();
                     count.solve();
-                    let end = visit(piece);
-                    if end == f64::NEG_INFINITY {
+                    let found = visit(piece);
+                    if found == f64::NEG_INFINITY {
                         return false;
                     }
-                    probe.end = probe.end.min((end * scale_in) as f32 + END);
+                    *end = end.min(found);
                 }
                 true
             },

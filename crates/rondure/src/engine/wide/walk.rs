@@ -5,8 +5,8 @@ use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 
 use super::Wide;
-use super::block::{LANES, Probe};
-use super::boxes::Slabs;
+use super::boxes::{Slabs, WIDTH};
+use super::course::Course;
 use crate::engine::counters::Count;
 
 /// Levels of boxes: 2^20 blocks.
@@ -15,7 +15,7 @@ pub(super) const LEVELS: usize = 5;
 /// Sixteen boxes of which some wait.
 #[repr(C, align(64))]
 struct Vector {
-    enter: [f32; LANES],
+    enter: [f32; WIDTH],
     waiting: u32,
     /// The number of the first box on its level.
     first: usize,
@@ -28,27 +28,28 @@ impl Wide {
     pub(super) fn walk<S: Simd, C: Count>(
         &self,
         simd: S,
-        probe: &mut Probe,
+        ray: &Course,
         count: &mut C,
-        mut visit: impl FnMut(&mut Probe, usize, &mut C) -> bool,
+        mut visit: impl FnMut(&mut f64, usize, &mut C) -> bool,
     ) {
+        let mut end = ray.range[1];
         if self.levels.is_empty() {
             count.enter();
-            visit(probe, 0, count);
+            visit(&mut end, 0, count);
             return;
         }
-        let slabs = Slabs::new(probe);
+        let slabs = Slabs::new(ray);
         let mut stack = ArrayVec::<Vector, LEVELS>::new();
         let mut level = self.levels.len() - 1;
         let mut index = 0;
         loop {
             count.test();
-            let (waiting, enter) = self.levels[level][index].test(simd, &slabs, probe.end);
-            let mut vector = Vector { enter: [0.0; LANES], waiting, first: index * LANES };
+            let (waiting, enter) = self.levels[level][index].test(simd, &slabs, beyond(end));
+            let mut vector = Vector { enter: [0.0; WIDTH], waiting, first: index * WIDTH };
             enter.store_array(&mut vector.enter);
             // Down to the next vector of boxes.
             loop {
-                let Some(box_) = vector.next(probe.end) else {
+                let Some(box_) = vector.next(beyond(end)) else {
                     let Some(above) = stack.pop() else { return };
                     vector = above;
                     level += 1;
@@ -56,7 +57,7 @@ impl Wide {
                 };
                 count.enter();
                 if level == 0 {
-                    if !visit(probe, box_, count) {
+                    if !visit(&mut end, box_, count) {
                         return;
                     }
                     continue;
@@ -79,10 +80,10 @@ impl Vector {
         if bits == 0 {
             return None;
         }
-        let mut lane = bits.trailing_zeros() as usize % LANES;
+        let mut lane = bits.trailing_zeros() as usize % WIDTH;
         bits &= bits - 1;
         while bits != 0 {
-            let other = bits.trailing_zeros() as usize % LANES;
+            let other = bits.trailing_zeros() as usize % WIDTH;
             bits &= bits - 1;
             if self.enter[other] < self.enter[lane] {
                 lane = other;
@@ -92,4 +93,10 @@ impl Vector {
         // The others are no nearer.
         (self.enter[lane] <= end).then_some(self.first + lane)
     }
+}
+
+/// A parameter as an f32, or somewhat more.
+#[inline(always)]
+fn beyond(end: f64) -> f32 {
+    end as f32 + end.abs() as f32 * (4.0 * f32::EPSILON)
 }
