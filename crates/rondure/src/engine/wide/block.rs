@@ -37,6 +37,8 @@ pub(super) struct Block {
     gamma: Lanes,
     p: Lanes,
     lambda: [Lanes; 3],
+    /// The largest |zeta|.
+    height: Lanes,
     /// For a direction of length 1; it grows with the square of the length.
     tangency: Lanes,
     /// By how much lambda may be off, times sqrt(V^2 - U W), for a direction of length 1.
@@ -68,6 +70,7 @@ impl Block {
         gamma: [0.0; LANES],
         p: [0.0; LANES],
         lambda: [[0.0; LANES]; 3],
+        height: [0.0; LANES],
         // Q vanishes everywhere: the discriminant is never more, nor less, than nothing.
         tangency: [-1.0; LANES],
         room: [0.0; LANES],
@@ -98,6 +101,7 @@ impl Block {
         for (lanes, own) in self.lambda.iter_mut().zip(q.lambda) {
             lanes[lane] = own;
         }
+        self.height[lane] = q.height + 16.0 * UNIT_ROUNDOFF * far;
         self.tangency[lane] = finite(tangency);
         self.room[lane] = finite(1.01 * room);
         self.blur[lane] = finite(1.01 * error);
@@ -140,15 +144,22 @@ impl Block {
         let l2 = lw * splat(simd, ray.a);
         let at_near = l2.mul_add(near, l1).mul_add(near, l0);
         let at_far = l2.mul_add(far, l1).mul_add(far, l0);
+        // Another point of the quadric with the same lambda has another height.
+        let height = splat(simd, dz.abs()).mul_add(blur, load(simd, &self.height));
+        let dz = splat(simd, ray.direction.z);
+        let near_height = dz.mul_add(near, zeta).abs().simd_le(height);
+        let far_height = dz.mul_add(far, zeta).abs().simd_le(height);
         let (start, end) = (splat(simd, ray.range[0]), splat(simd, end));
         let near_ends = [near - blur, near + blur];
         let far_ends = [far - blur, far + blur];
         let may = [
             steep
+                & near_height
                 & at_near.abs().simd_le(room)
                 & near_ends[1].simd_ge(start)
                 & near_ends[0].simd_le(end),
             steep
+                & far_height
                 & at_far.abs().simd_le(room)
                 & far_ends[1].simd_ge(start)
                 & far_ends[0].simd_le(end),

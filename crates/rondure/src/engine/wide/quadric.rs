@@ -22,8 +22,6 @@ use crate::piece::{Kind, Piece};
 const BEYOND: f64 = 1.0 / 16.0;
 /// Into how many parts the stretch is cut, to have its Bernstein coefficients near it.
 const PARTS: usize = 3;
-/// By how much lambda must leave the stretch at mirrored points: more than what is allowed for errors.
-const ALONE: f64 = 1.0 / 8.0;
 /// What curvature costs, in units of the error: the terms of Q grow with it, and so do their roundings.
 const CURVED: f64 = 1e-9;
 /// What rounding leaves of a coefficient that vanishes, as a part of the largest.
@@ -45,6 +43,8 @@ pub(super) struct Quadric {
     pub(super) lambda: [f64; 3],
     /// The largest radius of the stretch.
     pub(super) r_max: f64,
+    /// The largest |zeta|.
+    pub(super) height: f64,
     /// The parameters on the piece between which the bounds hold.
     pub(super) valid: [f64; 2],
     pub(super) guess: Guess,
@@ -188,6 +188,7 @@ impl Quadric {
             slope: f64::INFINITY,
             lambda,
             r_max,
+            height: (start[1] - z).abs().max((end[1] - z).abs()),
             valid,
             guess,
         };
@@ -197,7 +198,7 @@ impl Quadric {
             let own = Self { alpha: alpha * scale, beta: beta * scale, p: p * scale, ..best };
             let bounded = own.bounded(&parts, middle);
             let cost = |own: &Self| own.error + CURVED * own.p.abs();
-            if cost(&bounded) < cost(&best) && bounded.is_alone([start, end]) {
+            if cost(&bounded) < cost(&best) {
                 best = bounded;
             }
         }
@@ -246,21 +247,6 @@ impl Quadric {
             (self.error, self.slope) = (f64::INFINITY, f64::INFINITY);
         }
         self
-    }
-
-    /// Whether the other points of the quadric at the same w as the stretch, mirrored in
-    /// zeta = -beta / 2 p, have a lambda of less than -1 or of more than 1: a ray that meets the quadric
-    /// there misses the stretch. The two may touch on the axis.
-    fn is_alone(&self, ends: [[f64; 2]; 2]) -> bool {
-        if self.p == 0.0 {
-            return true;
-        }
-        let [a, b] = [0, 1].map(|i| {
-            let lambda = if i == 0 { -1.0 } else { 1.0 };
-            lambda - self.lambda[0] * (self.beta / self.p + 2.0 * (ends[i][1] - self.z))
-        });
-        let [room_a, room_b] = ends.map(|[r, _]| if r == 0.0 { -1e-6 } else { ALONE });
-        (a > 1.0 + ALONE && b > 1.0 + room_b) || (a < -1.0 - room_a && b < -1.0 - ALONE)
     }
 
     /// A bound on how fast lambda grows along a line, by its length.
