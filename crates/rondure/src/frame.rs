@@ -77,6 +77,12 @@ impl Frame {
         self.inverse.as_ref()
     }
 
+    /// The height of the surface's centre, in the world.
+    #[inline(always)]
+    pub(crate) fn center_z(&self) -> f64 {
+        self.center.z
+    }
+
     /// The ray's origin, relative to the surface's centre, and direction as the surface sees them,
     /// neither moved nor scaled: the ray's parameter stays as it is.
     #[inline(always)]

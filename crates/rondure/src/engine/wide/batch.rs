@@ -1,6 +1,7 @@
 //! Many rays at once.
 
 use super::Wide;
+use super::search::Question;
 use crate::batch::{Hits, Rays};
 use crate::frame::Frame;
 use crate::piece::Piece;
@@ -17,7 +18,7 @@ impl Wide {
         hits.clear(rays.len());
         dispatch!(self.level, simd => {
             for i in 0..rays.len() {
-                hits.set(i, self.closest_with(simd, pieces, frame, &rays.get(i)));
+                hits.set(i, self.closest_with::<_, true>(simd, &Question { pieces, frame, ray: &rays.get(i) }));
             }
         });
     }
@@ -31,7 +32,7 @@ impl Wide {
     ) {
         dispatch!(self.level, simd => {
             for (i, hit) in hits.iter_mut().enumerate().take(rays.len()) {
-                *hit = self.any_with(simd, pieces, frame, &rays.get(i));
+                *hit = self.any_with::<_, true>(simd, &Question { pieces, frame, ray: &rays.get(i) });
             }
         });
     }

@@ -16,7 +16,7 @@
 //! crossing. Between the two the ray may be tangent, which is left to the exact engine.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f64x8, mask64x8};
+use fearless_simd::{Simd, f64x8};
 
 use super::course::{Course, NEAR};
 use super::quadric::Quadric;
@@ -41,6 +41,8 @@ pub(super) struct Block {
     height: Lanes,
     /// For a direction of length 1; it grows with the square of the length.
     tangency: Lanes,
+    /// It grows with |U|, too.
+    bend: Lanes,
     /// By how much lambda may be off, times sqrt(V^2 - U W), for a direction of length 1.
     room: Lanes,
     /// The same for tau, for any length.
@@ -49,13 +51,16 @@ pub(super) struct Block {
 
 /// What was found of eight leaves.
 pub(super) struct Meeting<S: Simd> {
-    /// The two roots, the first one less than the second, and how far off each may be.
+    /// The two roots, the first one less than the second, how far off each may be, and the least that
+    /// they may be.
     pub(super) tau: [f64x8<S>; 2],
     pub(super) blur: f64x8<S>,
+    pub(super) low: [f64x8<S>; 2],
     /// lambda there.
     pub(super) lambda: [f64x8<S>; 2],
-    /// Which leaves may have a hit at either root, no more than one each.
-    pub(super) may: [mask64x8<S>; 2],
+    /// Which leaves may have a hit at the first root, and above those eight bits, at the second one; no
+    /// more than one each.
+    pub(super) may: u32,
     /// Which leaves have one for certain, if that was asked for.
     pub(super) sure: u32,
     /// Which leaves the ray may be tangent to.
@@ -73,6 +78,7 @@ impl Block {
         height: [0.0; LANES],
         // Q vanishes everywhere: the discriminant is never more, nor less, than nothing.
         tangency: [-1.0; LANES],
+        bend: [0.0; LANES],
         room: [0.0; LANES],
         blur: [0.0; LANES],
     };
@@ -86,11 +92,10 @@ impl Block {
         let largest = far * far * (a + p) + far * b + c;
         let error = 1.01 * q.error + 64.0 * UNIT_ROUNDOFF * largest;
         let growth = q.growth();
-        let u_most = a + p;
         let steepest = 0.5 * q.slope * growth;
         let v_most = far * (a + p) + b;
         let rounding = 64.0 * UNIT_ROUNDOFF * v_most * v_most;
-        let tangency = 1.01 * steepest * steepest + 2.0 * u_most * error + rounding;
+        let tangency = 1.01 * steepest * steepest + rounding;
         let finite = |v: f64| if v.is_finite() { v } else { 1e200 };
         let room = error * growth + 64.0 * UNIT_ROUNDOFF * v_most;
         self.z[lane] = q.z;
@@ -103,6 +108,7 @@ impl Block {
         }
         self.height[lane] = q.height + 16.0 * UNIT_ROUNDOFF * far;
         self.tangency[lane] = finite(tangency);
+        self.bend[lane] = finite(2.0 * error);
         self.room[lane] = finite(1.01 * room);
         self.blur[lane] = finite(1.01 * error);
     }
@@ -127,6 +133,7 @@ impl Block {
         let w = zeta.mul_add(h + half_beta, w);
         let discriminant = v.mul_sub(v, u * w);
         let tangency = load(simd, &self.tangency) * splat(simd, ray.length2);
+        let tangency = load(simd, &self.bend).mul_add(u.abs(), tangency);
         let steep = discriminant.simd_gt(tangency);
         let root = discriminant.sqrt();
         let q = v + root.copysign(v);
@@ -191,7 +198,9 @@ impl Block {
                 | (middle - around).simd_gt(end);
             tangent &= !away.to_bitmask() as u32;
         }
-        Meeting { tau: [near, far], blur, lambda: [at_near, at_far], may, sure, tangent }
+        let low = [near_ends[0], far_ends[0]];
+        let may = (may[0].to_bitmask() | may[1].to_bitmask() << LANES) as u32;
+        Meeting { tau: [near, far], blur, low, lambda: [at_near, at_far], may, sure, tangent }
     }
 }
 

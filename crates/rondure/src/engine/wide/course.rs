@@ -19,6 +19,7 @@ use crate::{Ray, Vec3};
 
 /// A ray in the surface's frame.
 #[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
 pub(super) struct Course {
     pub(super) origin: Vec3,
     pub(super) direction: Vec3,
@@ -34,12 +35,11 @@ pub(super) struct Course {
     pub(super) shift: f64,
 }
 
-/// What there is to do about a ray.
+/// Why there is no course.
 #[derive(Clone, Copy, PartialEq)]
-pub(super) enum Approach {
-    /// It passes the surface.
+pub(super) enum Astray {
+    /// The ray passes the surface.
     Misses,
-    Meets,
     /// It comes from very far away, has a direction of extreme length, or is no ray: not for this engine.
     Strange,
 }
@@ -65,42 +65,38 @@ const SHORTEST: f64 = 1.0 / (1_u64 << 40) as f64;
 const LONGEST: f64 = (1_u64 << 40) as f64;
 
 impl Course {
-    const NONE: Self = Self {
-        origin: Vec3::ZERO,
-        direction: Vec3::ZERO,
-        a: 0.0,
-        b: 0.0,
-        c: 0.0,
-        length2: 0.0,
-        far: 0.0,
-        range: [0.0; 2],
-        shift: 0.0,
-    };
-
-    /// A ray as a surface sees it that stands in a frame.
+    /// A ray as a surface sees it that stands in a frame. If that is not `PLACED`, the ray does not
+    /// [pass](passes) it.
     #[inline(always)]
-    pub(super) fn new(
+    pub(super) fn new<const PLACED: bool>(
         fma: impl Fused,
         frame: &Frame,
         ray: &Ray,
         outline: &Outline,
-    ) -> (Approach, Self) {
+    ) -> Result<Self, Astray> {
         // Also false where one is not a number.
         if !(ray.t_min <= ray.t_max) {
-            return (Approach::Misses, Self::NONE);
+            return Err(Astray::Misses);
         }
         let unit = outline.unit;
-        let [o, d] = frame.turn(ray);
+        let [o, d] = if PLACED {
+            frame.turn(ray)
+        } else {
+            let origin = Vec3 { z: ray.origin.z - frame.center_z(), ..ray.origin };
+            [origin, ray.direction]
+        };
         let (mut origin, direction) = (o * unit, d * unit);
         let a = direction.x * direction.x + direction.y * direction.y;
-        let k = origin.x * direction.y - origin.y * direction.x;
         let mut far = greater(greater(origin.x.abs(), origin.y.abs()), origin.z.abs());
         let length2 = direction.z * direction.z + a;
         if !(SHORTEST..=LONGEST).contains(&length2) || !(far <= FAR) {
-            return (Approach::Strange, Self::NONE);
+            return Err(Astray::Strange);
         }
-        if !(k * k <= a * outline.reach2) {
-            return (Approach::Misses, Self::NONE);
+        if PLACED {
+            let k = origin.x * direction.y - origin.y * direction.x;
+            if !(k * k <= a * outline.reach2) {
+                return Err(Astray::Misses);
+            }
         }
         let mut shift = 0.0;
         if !(far <= NEAR) {
@@ -113,10 +109,10 @@ impl Course {
         let along = fma.fused(origin.z, direction.z, b);
         let outside = fma.fused(origin.z, origin.z, c) - outline.radius2;
         if !(along * along >= outside * length2) {
-            return (Approach::Misses, Self::NONE);
+            return Err(Astray::Misses);
         }
         let range = [ray.t_min - shift, ray.t_max - shift];
-        (Approach::Meets, Self { origin, direction, a, b, c, length2, far, range, shift })
+        Ok(Self { origin, direction, a, b, c, length2, far, range, shift })
     }
 
     /// A ray that has come near already, with parameters of its own.

@@ -3,8 +3,9 @@
 use arrayvec::ArrayVec;
 
 use super::Wide;
+use super::search::Question;
 use crate::Ray;
-use crate::frame::{Frame, LocalRay};
+use crate::frame::LocalRay;
 use crate::meridian::Meridian;
 use crate::piece::Piece;
 use crate::root;
@@ -24,7 +25,8 @@ struct Query<'a> {
 }
 
 impl<'a> Query<'a> {
-    fn new(frame: &Frame, ray: &'a Ray) -> Option<Self> {
+    fn new(question: &Question<'a>) -> Option<Self> {
+        let (frame, ray) = (question.frame, question.ray);
         let local = frame.enter(ray)?;
         Some(Self { ray, local, meridian: Meridian::new(local.origin, local.direction) })
     }
@@ -43,16 +45,10 @@ impl Wide {
     /// The hits on one piece.
     #[cold]
     #[inline(never)]
-    pub(super) fn hits_exactly(
-        &self,
-        pieces: &[Piece],
-        frame: &Frame,
-        ray: &Ray,
-        piece: u32,
-    ) -> Few {
+    pub(super) fn hits_exactly(&self, question: &Question<'_>, piece: u32) -> Few {
         let mut hits = Few::new();
-        if let Some(query) = Query::new(frame, ray) {
-            query.hits(pieces, piece, |hit| {
+        if let Some(query) = Query::new(question) {
+            query.hits(question.pieces, piece, |hit| {
                 // No more can come than there is room for.
                 let _ = hits.try_push(hit);
             });
@@ -63,17 +59,12 @@ impl Wide {
     /// The closest hit.
     #[cold]
     #[inline(never)]
-    pub(super) fn closest_exactly(
-        &self,
-        pieces: &[Piece],
-        frame: &Frame,
-        ray: &Ray,
-    ) -> Option<Hit> {
-        let query = Query::new(frame, ray)?;
+    pub(super) fn closest_exactly(&self, question: &Question<'_>) -> Option<Hit> {
+        let query = Query::new(question)?;
         let mut closest: Option<Hit> = None;
         let mut end = query.local.range[1];
         self.candidates(&query.local, &mut (), |piece| {
-            query.hits(pieces, piece, |hit| {
+            query.hits(question.pieces, piece, |hit| {
                 let order = |h: &Hit| (h.t, h.piece);
                 if closest.is_none_or(|best| order(&hit) < order(&best)) {
                     closest = Some(hit);
@@ -88,17 +79,11 @@ impl Wide {
     /// All hits.
     #[cold]
     #[inline(never)]
-    pub(super) fn all_exactly(
-        &self,
-        pieces: &[Piece],
-        frame: &Frame,
-        ray: &Ray,
-        hits: &mut Vec<Hit>,
-    ) {
+    pub(super) fn all_exactly(&self, question: &Question<'_>, hits: &mut Vec<Hit>) {
         hits.clear();
-        let Some(query) = Query::new(frame, ray) else { return };
+        let Some(query) = Query::new(question) else { return };
         self.candidates(&query.local, &mut (), |piece| {
-            query.hits(pieces, piece, |hit| hits.push(hit));
+            query.hits(question.pieces, piece, |hit| hits.push(hit));
             f64::INFINITY
         });
         sort(hits);

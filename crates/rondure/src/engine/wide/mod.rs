@@ -22,6 +22,7 @@ mod build;
 mod course;
 mod exactly;
 mod leaf;
+mod order;
 mod quadric;
 mod search;
 mod walk;
@@ -31,8 +32,9 @@ use fearless_simd::{Level, Simd, dispatch};
 use self::arithmetic::Best;
 use self::block::Block;
 use self::boxes::Boxes;
-use self::course::{Approach, Course, FAR, Outline, passes};
+use self::course::{Astray, Course, FAR, Outline, passes};
 use self::leaf::{Curve, Leaf};
+use self::search::Question;
 use super::counters::Count;
 use crate::Ray;
 use crate::frame::{Frame, LocalRay};
@@ -84,23 +86,32 @@ impl Wide {
 
     #[inline]
     pub(crate) fn closest(&self, pieces: &[Piece], frame: &Frame, ray: &Ray) -> Option<Hit> {
-        if frame.inverse().is_none() && passes(ray, &self.outline) {
+        let question = Question { pieces, frame, ray };
+        if frame.inverse().is_some() {
+            return dispatch!(self.level, simd => self.closest_with::<_, true>(simd, &question));
+        }
+        if passes(ray, &self.outline) {
             return None;
         }
-        dispatch!(self.level, simd => self.closest_with(simd, pieces, frame, ray))
+        dispatch!(self.level, simd => self.closest_with::<_, false>(simd, &question))
     }
 
     #[inline]
     pub(crate) fn any(&self, pieces: &[Piece], frame: &Frame, ray: &Ray) -> bool {
-        if frame.inverse().is_none() && passes(ray, &self.outline) {
+        let question = Question { pieces, frame, ray };
+        if frame.inverse().is_some() {
+            return dispatch!(self.level, simd => self.any_with::<_, true>(simd, &question));
+        }
+        if passes(ray, &self.outline) {
             return false;
         }
-        dispatch!(self.level, simd => self.any_with(simd, pieces, frame, ray))
+        dispatch!(self.level, simd => self.any_with::<_, false>(simd, &question))
     }
 
     pub(crate) fn all(&self, pieces: &[Piece], frame: &Frame, ray: &Ray, hits: &mut Vec<Hit>) {
         hits.clear();
-        dispatch!(self.level, simd => self.all_with(simd, pieces, frame, ray, hits));
+        let question = Question { pieces, frame, ray };
+        dispatch!(self.level, simd => self.all_with(simd, &question, hits));
     }
 
     /// Calls `visit` once for every piece that the ray may hit, as
@@ -116,45 +127,33 @@ impl Wide {
     }
 
     #[inline(always)]
-    fn closest_with<S: Simd>(
+    fn closest_with<S: Simd, const PLACED: bool>(
         &self,
         simd: S,
-        pieces: &[Piece],
-        frame: &Frame,
-        ray: &Ray,
+        question: &Question<'_>,
     ) -> Option<Hit> {
-        let (approach, course) = Course::new(Best(simd), frame, ray, &self.outline);
-        match approach {
-            Approach::Misses => None,
-            Approach::Strange => self.closest_exactly(pieces, frame, ray),
-            Approach::Meets => self.closest_on(simd, pieces, frame, ray, &course),
+        match Course::new::<PLACED>(Best(simd), question.frame, question.ray, &self.outline) {
+            Ok(course) => self.closest_on(simd, question, &course),
+            Err(Astray::Misses) => None,
+            Err(Astray::Strange) => self.closest_exactly(question),
         }
     }
 
     #[inline(always)]
-    fn any_with<S: Simd>(&self, simd: S, pieces: &[Piece], frame: &Frame, ray: &Ray) -> bool {
-        let (approach, course) = Course::new(Best(simd), frame, ray, &self.outline);
-        match approach {
-            Approach::Misses => false,
-            Approach::Strange => self.closest_exactly(pieces, frame, ray).is_some(),
-            Approach::Meets => self.any_on(simd, pieces, frame, ray, &course),
+    fn any_with<S: Simd, const PLACED: bool>(&self, simd: S, question: &Question<'_>) -> bool {
+        match Course::new::<PLACED>(Best(simd), question.frame, question.ray, &self.outline) {
+            Ok(course) => self.any_on(simd, question, &course),
+            Err(Astray::Misses) => false,
+            Err(Astray::Strange) => self.closest_exactly(question).is_some(),
         }
     }
 
     #[inline(always)]
-    fn all_with<S: Simd>(
-        &self,
-        simd: S,
-        pieces: &[Piece],
-        frame: &Frame,
-        ray: &Ray,
-        hits: &mut Vec<Hit>,
-    ) {
-        let (approach, course) = Course::new(Best(simd), frame, ray, &self.outline);
-        match approach {
-            Approach::Misses => {}
-            Approach::Strange => self.all_exactly(pieces, frame, ray, hits),
-            Approach::Meets => self.all_on(simd, pieces, frame, ray, &course, hits),
+    fn all_with<S: Simd>(&self, simd: S, question: &Question<'_>, hits: &mut Vec<Hit>) {
+        match Course::new::<true>(Best(simd), question.frame, question.ray, &self.outline) {
+            Ok(course) => self.all_on(simd, question, &course, hits),
+            Err(Astray::Misses) => {}
+            Err(Astray::Strange) => self.all_exactly(question, hits),
         }
     }
 }

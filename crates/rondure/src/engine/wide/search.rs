@@ -1,8 +1,8 @@
-//! The queries of one ray that meets the surface's sphere: blocks, near ones first, and the spots in each.
+//! The queries of one ray that comes near the surface: blocks, near ones first, and the spots in each.
 
 use arrayvec::ArrayVec;
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f64x8, mask64x8};
+use fearless_simd::{Simd, f64x8, mask32x16};
 
 use super::Wide;
 use super::arithmetic::Best;
@@ -10,12 +10,22 @@ use super::block::{LANES, Meeting};
 use super::course::Course;
 use super::exactly::sort;
 use super::leaf::{Finding, Spot};
+use super::order::first;
+use super::walk::Way;
+use crate::Ray;
 use crate::engine::counters::Count;
 use crate::frame::Frame;
-use crate::numeric::gamma;
+use crate::numeric::{UNIT_ROUNDOFF, gamma};
 use crate::piece::Piece;
 use crate::surface::Hit;
-use crate::{Ray, numeric::UNIT_ROUNDOFF};
+
+/// What a query is about.
+#[derive(Clone, Copy)]
+pub(super) struct Question<'a> {
+    pub(super) pieces: &'a [Piece],
+    pub(super) frame: &'a Frame,
+    pub(super) ray: &'a Ray,
+}
 
 /// How far off the exact engine's hits count as being when they are compared with those of other
 /// pieces, in units of the radius.
@@ -46,60 +56,65 @@ impl Nearest {
     }
 }
 
-/// The spots of a block, kept for as long as they wait.
+/// The spots of a block: the first roots of its leaves, then the second ones.
 struct Spots<S: Simd> {
     meeting: Meeting<S>,
-    /// Where each may be at the least.
-    low: [f64x8<S>; 2],
-    /// Which of the first and of the second roots wait.
-    waiting: [u32; 2],
+    /// Which of them wait.
+    waiting: u32,
+    /// Their numbers.
+    tau: [f64; 2 * LANES],
+    lambda: [f64; 2 * LANES],
+    blur: [f64; LANES],
 }
 
 impl<S: Simd> Spots<S> {
     #[inline(always)]
     fn new(meeting: Meeting<S>) -> Self {
-        let [near, far] = meeting.tau;
-        let low = [near - meeting.blur, far - meeting.blur];
-        let waiting = [meeting.may[0].to_bitmask() as u32, meeting.may[1].to_bitmask() as u32];
-        Self { meeting, low, waiting }
+        let mut spots = Self {
+            waiting: meeting.may,
+            tau: [0.0; 2 * LANES],
+            lambda: [0.0; 2 * LANES],
+            blur: [0.0; LANES],
+            meeting,
+        };
+        let meeting = &spots.meeting;
+        for (i, half) in [0, LANES].into_iter().enumerate() {
+            meeting.tau[i].store_slice(&mut spots.tau[half..half + LANES]);
+            meeting.lambda[i].store_slice(&mut spots.lambda[half..half + LANES]);
+        }
+        meeting.blur.store_array(&mut spots.blur);
+        spots
     }
 
-    /// Takes out the one that may be the nearest, with its leaf's lane.
+    /// Takes out the one that comes first, or nearly so, with its leaf's lane.
     #[inline(always)]
-    fn nearest(&mut self, simd: S) -> (usize, Spot) {
-        let near = mask64x8::from_bitmask(simd, u64::from(self.waiting[0]));
-        let far = mask64x8::from_bitmask(simd, u64::from(self.waiting[1]));
-        let none = f64x8::splat(simd, f64::INFINITY);
-        let low = near.select(self.low[0], far.select(self.low[1], none));
-        let least = low.reduce_min();
-        let bits = low.simd_le(f64x8::splat(simd, least)).to_bitmask() as u32;
-        let lane = bits.trailing_zeros() as usize % LANES;
-        let second = usize::from(self.waiting[0] & 1 << lane == 0);
-        self.waiting[second] &= !(1 << lane);
-        (lane, self.spot(lane, second))
+    fn first(&mut self, simd: S) -> (usize, Spot) {
+        let lows = self.meeting.low[0].narrow(self.meeting.low[1]);
+        let number = first(simd, lows, mask32x16::from_bitmask(simd, u64::from(self.waiting)));
+        self.waiting &= !(1 << number);
+        (number % LANES, self.spot(number))
+    }
+
+    /// Takes out any.
+    #[inline(always)]
+    fn take(&mut self) -> Option<(usize, Spot)> {
+        let number = take(&mut self.waiting)?;
+        Some((number % LANES, self.spot(number)))
     }
 
     #[inline(always)]
-    fn spot(&self, lane: usize, second: usize) -> Spot {
-        let mut values = [[0.0; LANES]; 3];
-        self.meeting.tau[second].store_array(&mut values[0]);
-        self.meeting.lambda[second].store_array(&mut values[1]);
-        self.meeting.blur.store_array(&mut values[2]);
-        Spot { tau: values[0][lane], lambda: values[1][lane], blur: values[2][lane] }
+    fn spot(&self, number: usize) -> Spot {
+        let number = number % (2 * LANES);
+        let (tau, lambda) = (self.tau[number], self.lambda[number]);
+        Spot { tau, lambda, blur: self.blur[number % LANES] }
     }
 
     /// Leaves out what lies beyond `end`.
     #[inline(always)]
     fn cut(&mut self, simd: S, end: f64) {
         let end = f64x8::splat(simd, end);
-        for (waiting, low) in self.waiting.iter_mut().zip(self.low) {
-            *waiting &= low.simd_le(end).to_bitmask() as u32;
-        }
-    }
-
-    #[inline(always)]
-    fn is_empty(&self) -> bool {
-        self.waiting[0] | self.waiting[1] == 0
+        let [near, far] = self.meeting.low;
+        self.waiting &= (near.simd_le(end).to_bitmask() | far.simd_le(end).to_bitmask() << LANES) as u32;
     }
 }
 
@@ -108,58 +123,80 @@ impl Wide {
     pub(super) fn closest_on<S: Simd>(
         &self,
         simd: S,
-        pieces: &[Piece],
-        frame: &Frame,
-        ray: &Ray,
+        question: &Question<'_>,
         course: &Course,
     ) -> Option<Hit> {
-        let mut nearest = Nearest::NONE;
-        self.walk(
-            simd,
-            course,
-            &mut (),
-            #[inline(always)]
-            |end, block, ()| {
-                let meeting = self.blocks[block].test::<S, false>(simd, course, *end);
-                let tangent = meeting.tangent;
-                let mut spots = Spots::new(meeting);
-                if tangent != 0 {
-                    self.consider_tangents(block, tangent, pieces, frame, ray, course, &mut nearest);
-                    *end = end.min(nearest.tau);
+        let mut way = Way::new(simd, self, course);
+        // Most rays end at the first spot in the first block: no loop that keeps everything at hand.
+        let end = course.range[1];
+        let block = way.next(simd, self, end)?;
+        let meeting = self.blocks[block].test::<S, false>(simd, course, end);
+        if meeting.may == 0 && meeting.tangent == 0 && way.is_over(simd, end) {
+            return None;
+        }
+        if meeting.may != 0 && meeting.tangent == 0 {
+            let mut spots = Spots::new(meeting);
+            let (lane, spot) = spots.first(simd);
+            let leaf = &self.leaves[block * LANES + lane];
+            if let Finding::Hit { tau, s, .. } = leaf.hit(Best(simd), &self.curves, course, spot) {
+                spots.cut(simd, tau);
+                if spots.waiting == 0 && way.is_over(simd, tau) {
+                    return Some(Hit { t: tau + course.shift, piece: leaf.piece(), s });
                 }
-                while !spots.is_empty() {
-                    let (lane, spot) = spots.nearest(simd);
+            }
+        }
+        simd.vectorize(
+            #[inline(always)]
+            || self.closest_along(simd, question, course, way, block),
+        )
+    }
+
+    /// The same from a block on.
+    #[inline(always)]
+    fn closest_along<S: Simd>(
+        &self,
+        simd: S,
+        question: &Question<'_>,
+        course: &Course,
+        mut way: Way,
+        mut block: usize,
+    ) -> Option<Hit> {
+        let mut nearest = Nearest::NONE;
+        let mut end = course.range[1];
+        loop {
+            let meeting = self.blocks[block].test::<S, false>(simd, course, end);
+            let mut lanes = meeting.tangent;
+            while let Some(lane) = take(&mut lanes) {
+                let piece = self.leaves[block * LANES + lane].piece();
+                self.consider_exactly(piece, question, course, &mut nearest);
+                end = end.min(nearest.tau);
+            }
+            if meeting.may != 0 {
+                let mut spots = Spots::new(meeting);
+                spots.cut(simd, end);
+                while spots.waiting != 0 {
+                    let (lane, spot) = spots.first(simd);
                     let leaf = &self.leaves[block * LANES + lane];
+                    let piece = leaf.piece();
                     match leaf.hit(Best(simd), &self.curves, course, spot) {
                         Finding::None => continue,
-                        Finding::Hit { tau, s, margin } => {
-                            nearest.consider(tau, s, leaf.piece(), margin);
-                        }
+                        Finding::Hit { tau, s, margin } => nearest.consider(tau, s, piece, margin),
                         Finding::Unknown => {
-                            self.consider_exactly(
-                                leaf.piece(),
-                                pieces,
-                                frame,
-                                ray,
-                                course,
-                                &mut nearest,
-                            );
+                            self.consider_exactly(piece, question, course, &mut nearest);
                         }
                     }
-                    *end = end.min(nearest.tau);
-                    spots.cut(simd, *end);
+                    end = end.min(nearest.tau);
+                    spots.cut(simd, end);
                 }
-                true
-            },
-        );
-        if nearest.doubt {
-            return self.closest_exactly(pieces, frame, ray);
+            }
+            let Some(next) = way.next(simd, self, end) else { break };
+            block = next;
         }
-        (nearest.tau < f64::INFINITY).then(|| Hit {
-            t: nearest.tau + course.shift,
-            piece: nearest.piece,
-            s: nearest.s,
-        })
+        if nearest.doubt {
+            return self.closest_exactly(question);
+        }
+        let t = nearest.tau + course.shift;
+        (t < f64::INFINITY).then_some(Hit { t, piece: nearest.piece, s: nearest.s })
     }
 
     /// Takes account of the hits on a piece as the exact engine finds them.
@@ -168,38 +205,14 @@ impl Wide {
     fn consider_exactly(
         &self,
         piece: u32,
-        pieces: &[Piece],
-        frame: &Frame,
-        ray: &Ray,
+        question: &Question<'_>,
         course: &Course,
         nearest: &mut Nearest,
     ) {
-        let margin = EXACT_MARGIN / course.length2.sqrt() + 4.0 * UNIT_ROUNDOFF * course.shift.abs();
-        for hit in self.hits_exactly(pieces, frame, ray, piece) {
+        let margin =
+            EXACT_MARGIN / course.length2.sqrt() + 4.0 * UNIT_ROUNDOFF * course.shift.abs();
+        for hit in self.hits_exactly(question, piece) {
             nearest.consider(hit.t - course.shift, hit.s, piece, margin);
-        }
-    }
-
-    #[cold]
-    #[inline(never)]
-    #[expect(clippy::too_many_arguments, reason = "what the query is about, and what was found")]
-    fn consider_tangents(
-        &self,
-        block: usize,
-        mut lanes: u32,
-        pieces: &[Piece],
-        frame: &Frame,
-        ray: &Ray,
-        course: &Course,
-        nearest: &mut Nearest,
-    ) {
-        let mut last = u32::MAX;
-        while let Some(lane) = take(&mut lanes) {
-            let piece = self.leaves[block * LANES + lane].piece();
-            if piece != last {
-                self.consider_exactly(piece, pieces, frame, ray, course, nearest);
-                last = piece;
-            }
         }
     }
 
@@ -207,67 +220,82 @@ impl Wide {
     pub(super) fn any_on<S: Simd>(
         &self,
         simd: S,
-        pieces: &[Piece],
-        frame: &Frame,
-        ray: &Ray,
+        question: &Question<'_>,
         course: &Course,
     ) -> bool {
-        let mut found = false;
-        // Blocks that may have a hit wait until it is known that no other has one for certain.
-        let mut unsure = ArrayVec::<u32, LANES>::new();
-        self.walk(
-            simd,
-            course,
-            &mut (),
-            #[inline(always)]
-            |end, block, ()| {
-                let meeting = self.blocks[block].test::<S, true>(simd, course, *end);
-                if meeting.sure != 0 {
-                    found = true;
-                    return false;
-                }
-                let may = (meeting.may[0] | meeting.may[1]).to_bitmask() as u32;
-                if may | meeting.tangent != 0 && unsure.try_push(block as u32).is_err() {
-                    found = self.any_in(simd, pieces, frame, ray, course, block);
-                }
-                !found
-            },
-        );
-        for block in unsure {
-            found = found || self.any_in(simd, pieces, frame, ray, course, block as usize);
+        let mut way = Way::new(simd, self, course);
+        let end = course.range[1];
+        let Some(block) = way.next(simd, self, end) else { return false };
+        let meeting = self.blocks[block].test::<S, true>(simd, course, end);
+        if meeting.sure != 0 {
+            return true;
         }
-        found
+        if meeting.may == 0 && meeting.tangent == 0 && way.is_over(simd, end) {
+            return false;
+        }
+        simd.vectorize(
+            #[inline(always)]
+            || self.any_along(simd, question, course, way, block),
+        )
+    }
+
+    #[inline(always)]
+    fn any_along<S: Simd>(
+        &self,
+        simd: S,
+        question: &Question<'_>,
+        course: &Course,
+        mut way: Way,
+        mut block: usize,
+    ) -> bool {
+        let end = course.range[1];
+        // Blocks that may have a hit wait until it is known that no other has one for certain.
+        let mut unsure = ArrayVec::<u32, 16>::new();
+        loop {
+            let meeting = self.blocks[block].test::<S, true>(simd, course, end);
+            if meeting.sure != 0 {
+                return true;
+            }
+            if meeting.may | meeting.tangent != 0
+                && unsure.try_push(block as u32).is_err()
+                && self.any_in(simd, question, course, block)
+            {
+                return true;
+            }
+            let Some(next) = way.next(simd, self, end) else { break };
+            block = next;
+        }
+        for block in unsure {
+            if self.any_in(simd, question, course, block as usize) {
+                return true;
+            }
+        }
+        false
     }
 
     /// Whether there is a hit in a block.
-    #[expect(clippy::too_many_arguments, reason = "what the query is about, and where to look")]
     #[inline(always)]
     fn any_in<S: Simd>(
         &self,
         simd: S,
-        pieces: &[Piece],
-        frame: &Frame,
-        ray: &Ray,
+        question: &Question<'_>,
         course: &Course,
         block: usize,
     ) -> bool {
         let meeting = self.blocks[block].test::<S, false>(simd, course, course.range[1]);
         let mut unknown = meeting.tangent;
-        let spots = Spots::new(meeting);
-        for second in [0, 1] {
-            let mut lanes = spots.waiting[second];
-            while let Some(lane) = take(&mut lanes) {
-                let leaf = &self.leaves[block * LANES + lane];
-                match leaf.hit(Best(simd), &self.curves, course, spots.spot(lane, second)) {
-                    Finding::None => {}
-                    Finding::Hit { .. } => return true,
-                    Finding::Unknown => unknown |= 1 << lane,
-                }
+        let mut spots = Spots::new(meeting);
+        while let Some((lane, spot)) = spots.take() {
+            let leaf = &self.leaves[block * LANES + lane];
+            match leaf.hit(Best(simd), &self.curves, course, spot) {
+                Finding::None => {}
+                Finding::Hit { .. } => return true,
+                Finding::Unknown => unknown |= 1 << lane,
             }
         }
         while let Some(lane) = take(&mut unknown) {
             let piece = self.leaves[block * LANES + lane].piece();
-            if !self.hits_exactly(pieces, frame, ray, piece).is_empty() {
+            if !self.hits_exactly(question, piece).is_empty() {
                 return true;
             }
         }
@@ -278,47 +306,39 @@ impl Wide {
     pub(super) fn all_on<S: Simd>(
         &self,
         simd: S,
-        pieces: &[Piece],
-        frame: &Frame,
-        ray: &Ray,
+        question: &Question<'_>,
         course: &Course,
         hits: &mut Vec<Hit>,
     ) {
-        let mut doubt = false;
         let mut widest = 0.0_f64;
-        self.walk(
-            simd,
-            course,
-            &mut (),
-            #[inline(always)]
-            |end, block, ()| {
-                let meeting = self.blocks[block].test::<S, false>(simd, course, *end);
-                doubt = meeting.tangent != 0;
-                let spots = Spots::new(meeting);
-                for second in [0, 1] {
-                    let mut lanes = spots.waiting[second];
-                    while let Some(lane) = take(&mut lanes) {
-                        let leaf = &self.leaves[block * LANES + lane];
-                        let spot = spots.spot(lane, second);
-                        match leaf.hit(Best(simd), &self.curves, course, spot) {
-                            Finding::None => {}
-                            Finding::Hit { tau, s, margin } => {
-                                let t = tau + course.shift;
-                                hits.push(Hit { t, piece: leaf.piece(), s });
-                                widest = widest.max(margin);
-                            }
-                            Finding::Unknown => doubt = true,
-                        }
+        let end = course.range[1];
+        let mut way = Way::new(simd, self, course);
+        while let Some(block) = way.next(simd, self, end) {
+            let meeting = self.blocks[block].test::<S, false>(simd, course, end);
+            if meeting.tangent != 0 {
+                return self.all_exactly(question, hits);
+            }
+            if meeting.may == 0 {
+                continue;
+            }
+            let mut spots = Spots::new(meeting);
+            while let Some((lane, spot)) = spots.take() {
+                let leaf = &self.leaves[block * LANES + lane];
+                match leaf.hit(Best(simd), &self.curves, course, spot) {
+                    Finding::None => {}
+                    Finding::Hit { tau, s, margin } => {
+                        hits.push(Hit { t: tau + course.shift, piece: leaf.piece(), s });
+                        widest = widest.max(margin);
                     }
+                    Finding::Unknown => return self.all_exactly(question, hits),
                 }
-                !doubt
-            },
-        );
+            }
+        }
         sort(hits);
         // Hits of two leaves at one place are one hit, or two in an order that rounding must not choose.
         let close = 2.0 * widest;
-        if doubt || hits.windows(2).any(|pair| pair[1].t - pair[0].t <= close) {
-            self.all_exactly(pieces, frame, ray, hits);
+        if hits.windows(2).any(|pair| pair[1].t - pair[0].t <= close) {
+            self.all_exactly(question, hits);
         }
     }
 
@@ -330,42 +350,36 @@ impl Wide {
         count: &mut C,
         mut visit: impl FnMut(u32) -> f64,
     ) {
+        let mut end = course.range[1];
         let mut seen = Vec::new();
-        self.walk(
-            simd,
-            course,
-            count,
-            #[inline(always)]
-            |end, block, count| {
-                count.test();
-                let meeting = self.blocks[block].test::<S, false>(simd, course, *end);
-                let tangent = meeting.tangent;
-                let mut spots = Spots::new(meeting);
-                let mut order = ArrayVec::<usize, { 3 * LANES }>::new();
-                let mut tangents = tangent;
-                while let Some(lane) = take(&mut tangents) {
-                    order.push(lane);
+        let mut way = Way::new(simd, self, course);
+        count.test();
+        while let Some(block) = way.next(simd, self, end) {
+            count.enter();
+            count.test();
+            let meeting = self.blocks[block].test::<S, false>(simd, course, end);
+            let mut lanes = meeting.tangent;
+            let mut spots = Spots::new(meeting);
+            loop {
+                let lane = match take(&mut lanes) {
+                    Some(lane) => lane,
+                    None if spots.waiting != 0 => spots.first(simd).0,
+                    None => break,
+                };
+                let piece = self.leaves[block * LANES + lane].piece();
+                if seen.contains(&piece) {
+                    continue;
                 }
-                while !spots.is_empty() {
-                    order.push(spots.nearest(simd).0);
+                seen.push(piece);
+                count.positive();
+                count.solve();
+                let found = visit(piece);
+                if found == f64::NEG_INFINITY {
+                    return;
                 }
-                for lane in order {
-                    let piece = self.leaves[block * LANES + lane].piece();
-                    if seen.contains(&piece) {
-                        continue;
-                    }
-                    seen.push(piece);
-                    count.positive();
-                    count.solve();
-                    let found = visit(piece);
-                    if found == f64::NEG_INFINITY {
-                        return false;
-                    }
-                    *end = end.min(found);
-                }
-                true
-            },
-        );
+                end = end.min(found);
+            }
+        }
     }
 }
 
@@ -375,7 +389,7 @@ fn take(mask: &mut u32) -> Option<usize> {
     if *mask == 0 {
         return None;
     }
-    let bit = mask.trailing_zeros() as usize % LANES;
+    let bit = mask.trailing_zeros() as usize;
     *mask &= *mask - 1;
     Some(bit)
 }
