@@ -10,14 +10,14 @@ use std::{env, error::Error, fs};
 use cpu_time::ThreadTime;
 use rondure::engine::{EngineOptions, Instructions, Method};
 
-use rondure::{Bounds, Profile, Ray, Surface, Vec3};
+use rondure::{Bounds, Hits, Profile, Ray, Rays, Surface, Vec3};
 
 const ROUNDS: usize = 7;
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!(
-        "{:<28} {:<8} {:>12} {:>9} {:>6}",
-        "profile", "rays", "closest M/s", "any M/s", "hit %"
+        "{:<28} {:<8} {:>12} {:>9} {:>9} {:>9} {:>6}",
+        "profile", "rays", "closest M/s", "any M/s", "batch M/s", "any M/s", "hit %"
     );
     let mut options = EngineOptions::default();
     let mut args = env::args().skip(1);
@@ -43,8 +43,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         {
             let (closest, hits) = best(&rays, |ray| surface.closest(ray).is_some());
             let (any, _) = best(&rays, |ray| surface.any(ray));
+            let [many, any_many] = batches(&surface, &rays);
             let share = 100.0 * hits as f64 / rays.len() as f64;
-            println!("{file:<28} {name:<8} {closest:>12.2} {any:>9.2} {share:>6.1}");
+            println!(
+                "{file:<28} {name:<8} {closest:>12.2} {any:>9.2} {many:>9.2} {any_many:>9.2} {share:>6.1}"
+            );
         }
     }
     Ok(())
@@ -58,6 +61,29 @@ fn best(rays: &[Ray], hit: impl Fn(&Ray) -> bool) -> (f64, usize) {
         (rays.len() as f64 / start.elapsed().as_secs_f64() * 1e-6, hits)
     });
     rounds.fold((0.0, 0), |a, b| if b.0 > a.0 { b } else { a })
+}
+
+/// The same for batches: the closest hits, and whether there are any.
+fn batches(surface: &Surface, rays: &[Ray]) -> [f64; 2] {
+    let column = |of: fn(&Ray) -> f64| rays.iter().map(of).collect::<Vec<_>>();
+    let origin = [column(|r| r.origin.x), column(|r| r.origin.y), column(|r| r.origin.z)];
+    let direction =
+        [column(|r| r.direction.x), column(|r| r.direction.y), column(|r| r.direction.z)];
+    let (t_min, t_max) = (column(|r| r.t_min), column(|r| r.t_max));
+    let [o, d] = [&origin, &direction].map(|c| [&c[0][..], &c[1], &c[2]]);
+    let Some(columns) = Rays::new(o, d, &t_min, &t_max) else { return [f64::NAN; 2] };
+    let (mut hits, mut any) = (Hits::default(), vec![false; rays.len()]);
+    let mut best = [0.0_f64; 2];
+    for _ in 0..ROUNDS {
+        let rate = |start: ThreadTime| rays.len() as f64 / start.elapsed().as_secs_f64() * 1e-6;
+        let start = ThreadTime::now();
+        surface.closest_of_many(&columns, &mut hits);
+        best[0] = best[0].max(rate(start));
+        let start = ThreadTime::now();
+        surface.any_of_many(&columns, &mut any);
+        best[1] = best[1].max(rate(start));
+    }
+    best
 }
 
 fn camera_rays() -> Vec<Ray> {

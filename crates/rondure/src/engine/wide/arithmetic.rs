@@ -26,12 +26,6 @@ impl<S: Simd> Fused for Best<S> {
     }
 }
 
-/// The smaller of two numbers; the second if one is not a number.
-#[inline(always)]
-pub(super) fn lesser(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
-}
-
 /// The greater of two numbers; the second if one is not a number.
 #[inline(always)]
 pub(super) fn greater(a: f64, b: f64) -> f64 {

@@ -1,11 +1,61 @@
-//! Many rays at once.
+//! Many rays at once: what single rays do one after the other is done here stage by stage for a lot of
+//! rays, so that the processor never waits for the one ray at hand.
+//!
+//! ```text
+//! approach, 8 rays at a time -> boxes and blocks, each ray -> Newton's steps, 8 spots at a time
+//! ```
+//!
+//! The few rays that need more than the nearest spot of the nearest block start again, each for itself.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, dispatch, f64x8, mask64x8};
 
 use super::Wide;
-use super::search::Question;
+use super::arithmetic::Best;
+use super::block::LANES;
+use super::course::{Course, LONGEST, NEAR, SHORTEST};
+use super::leaf::{Finding, Spot};
+use super::search::{Question, Spots};
+use super::walk::Way;
 use crate::batch::{Hits, Rays};
 use crate::frame::Frame;
 use crate::piece::Piece;
-use fearless_simd::dispatch;
+use crate::Vec3;
+
+/// How many rays are under way: few enough for their data to stay in the first cache.
+const LOT: usize = 64;
+/// How many numbers an f64 vector has.
+const WIDTH: usize = 8;
+
+/// A column of numbers, with room for a whole vector behind the last.
+type Column = [f64; LOT + WIDTH];
+
+/// The rays under way, by columns.
+struct Lot {
+    len: usize,
+    /// Which rays they are.
+    ray: [u32; LOT + WIDTH],
+    origin: [Column; 3],
+    direction: [Column; 3],
+    abc: [Column; 3],
+    length2: Column,
+    range: [Column; 2],
+    far: Column,
+    /// Those that have to be answered one by one.
+    single: Vec<u32>,
+}
+
+/// A place to look for a hit.
+#[derive(Clone, Copy)]
+struct Task {
+    /// The ray, as numbered in the lot.
+    ray: u32,
+    leaf: u32,
+    s: f64,
+    spot: Spot,
+    /// No other spot of the ray comes before that.
+    next: f64,
+}
 
 impl Wide {
     pub(crate) fn closest_of_many(
@@ -16,11 +66,7 @@ impl Wide {
         hits: &mut Hits,
     ) {
         hits.clear(rays.len());
-        dispatch!(self.level, simd => {
-            for i in 0..rays.len() {
-                hits.set(i, self.closest_with::<_, true>(simd, &Question { pieces, frame, ray: &rays.get(i) }));
-            }
-        });
+        dispatch!(self.level, simd => self.closest_many(simd, pieces, frame, rays, hits));
     }
 
     pub(crate) fn any_of_many(
@@ -30,10 +76,246 @@ impl Wide {
         rays: &Rays<'_>,
         hits: &mut [bool],
     ) {
-        dispatch!(self.level, simd => {
-            for (i, hit) in hits.iter_mut().enumerate().take(rays.len()) {
-                *hit = self.any_with::<_, true>(simd, &Question { pieces, frame, ray: &rays.get(i) });
-            }
-        });
+        dispatch!(self.level, simd => self.any_many(simd, pieces, frame, rays, hits));
     }
+
+    #[inline(always)]
+    fn closest_many<S: Simd>(
+        &self,
+        simd: S,
+        pieces: &[Piece],
+        frame: &Frame,
+        rays: &Rays<'_>,
+        hits: &mut Hits,
+    ) {
+        let mut lot = Lot::new();
+        let mut tasks = Vec::with_capacity(LOT);
+        let mut next = 0;
+        while next < rays.len() {
+            lot.clear();
+            tasks.clear();
+            while next < rays.len() && lot.len + WIDTH <= LOT {
+                lot.approach(simd, self, frame, rays, next);
+                next += WIDTH;
+            }
+            for i in 0..lot.len {
+                self.look(simd, &mut lot, i, &mut tasks);
+            }
+            for some in tasks.chunks(WIDTH) {
+                self.solve(simd, &mut lot, some, hits);
+            }
+            for &ray in &lot.single {
+                let index = ray as usize;
+                let question = Question { pieces, frame, ray: &rays.get(index) };
+                hits.set(index, self.closest_with::<_, true>(simd, &question));
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn any_many<S: Simd>(
+        &self,
+        simd: S,
+        pieces: &[Piece],
+        frame: &Frame,
+        rays: &Rays<'_>,
+        hits: &mut [bool],
+    ) {
+        let count = rays.len().min(hits.len());
+        hits[..count].fill(false);
+        let mut lot = Lot::new();
+        let mut next = 0;
+        while next < count {
+            lot.clear();
+            while next < count && lot.len + WIDTH <= LOT {
+                lot.approach(simd, self, frame, rays, next);
+                next += WIDTH;
+            }
+            for i in 0..lot.len {
+                let course = lot.course(i);
+                let end = course.range[1];
+                let mut way = Way::new(simd, self, &course);
+                let mut unsure = false;
+                while let Some(block) = way.next(simd, self, end) {
+                    let meeting = self.blocks[block].test::<S, true>(simd, &course, end);
+                    if meeting.sure != 0 {
+                        if let Some(hit) = hits.get_mut(lot.ray[i] as usize) {
+                            *hit = true;
+                        }
+                        unsure = false;
+                        break;
+                    }
+                    unsure |= meeting.may | meeting.tangent != 0;
+                }
+                if unsure {
+                    lot.single.push(lot.ray[i]);
+                }
+            }
+            for &ray in lot.single.iter().filter(|&&ray| (ray as usize) < count) {
+                let question = Question { pieces, frame, ray: &rays.get(ray as usize) };
+                hits[ray as usize] = self.any_with::<_, true>(simd, &question);
+            }
+        }
+    }
+
+    /// Finds the nearest spot in the nearest block of a ray.
+    #[inline(always)]
+    fn look<S: Simd>(&self, simd: S, lot: &mut Lot, i: usize, tasks: &mut Vec<Task>) {
+        let course = lot.course(i);
+        let end = course.range[1];
+        let mut way = Way::new(simd, self, &course);
+        let Some(block) = way.next(simd, self, end) else { return };
+        let meeting = self.blocks[block].test::<S, false>(simd, &course, end);
+        let over = way.is_over(simd, end);
+        if meeting.may == 0 && meeting.tangent == 0 && over {
+            return;
+        }
+        if meeting.may == 0 || meeting.tangent != 0 {
+            lot.single.push(lot.ray[i]);
+            return;
+        }
+        let mut spots = Spots::new(meeting);
+        let (lane, spot) = spots.first(simd);
+        let next = spots.least(simd).min(way.least(simd));
+        let leaf = &self.leaves[block * LANES + lane];
+        let s = leaf.guess(Best(simd), spot.lambda);
+        let leaf = (block * LANES + lane) as u32;
+        tasks.push(Task { ray: i as u32, leaf, s, spot, next });
+    }
+
+    /// Finds up to eight hits.
+    #[inline(always)]
+    fn solve<S: Simd>(&self, simd: S, lot: &mut Lot, tasks: &[Task], hits: &mut Hits) {
+        for task in tasks {
+            let i = task.ray as usize;
+            let course = lot.course(i);
+            let leaf = &self.leaves[task.leaf as usize];
+            match leaf.hit(Best(simd), &self.curves, &course, task.spot) {
+                Finding::Hit { tau, s, .. } if tau < task.next => {
+                    let index = lot.ray[i] as usize;
+                    hits.t[index] = tau;
+                    hits.piece[index] = leaf.piece();
+                    hits.s[index] = s;
+                }
+                _ => lot.single.push(lot.ray[i]),
+            }
+        }
+    }
+}
+
+impl Lot {
+    fn new() -> Self {
+        let column = [0.0; LOT + WIDTH];
+        Self {
+            len: 0,
+            ray: [0; LOT + WIDTH],
+            origin: [column; 3],
+            direction: [column; 3],
+            abc: [column; 3],
+            length2: column,
+            range: [column; 2],
+            far: column,
+            single: Vec::with_capacity(LOT),
+        }
+    }
+
+    fn clear(&mut self) {
+        self.len = 0;
+        self.single.clear();
+    }
+
+    #[inline(always)]
+    fn course(&self, i: usize) -> Course {
+        let at = |c: &[Column; 3]| Vec3::new(c[0][i], c[1][i], c[2][i]);
+        Course {
+            origin: at(&self.origin),
+            direction: at(&self.direction),
+            a: self.abc[0][i],
+            b: self.abc[1][i],
+            c: self.abc[2][i],
+            length2: self.length2[i],
+            far: self.far[i],
+            range: [self.range[0][i], self.range[1][i]],
+            shift: 0.0,
+        }
+    }
+
+    /// Takes in those of eight rays that do not pass the surface.
+    #[inline(always)]
+    fn approach<S: Simd>(
+        &mut self,
+        simd: S,
+        wide: &Wide,
+        frame: &Frame,
+        rays: &Rays<'_>,
+        start: usize,
+    ) {
+        if start + WIDTH > rays.len() || frame.inverse().is_some() {
+            // The last few, and those that have to be turned.
+            self.single.extend(start as u32..(start + WIDTH).min(rays.len()) as u32);
+            return;
+        }
+        let outline = &wide.outline;
+        let unit = f64x8::splat(simd, outline.unit);
+        let [ox, oy, oz] = rays.origin;
+        let [dx, dy, dz] = rays.direction;
+        let ox = load(simd, ox, start) * unit;
+        let oy = load(simd, oy, start) * unit;
+        let oz = (load(simd, oz, start) - f64x8::splat(simd, frame.center_z())) * unit;
+        let dx = load(simd, dx, start) * unit;
+        let dy = load(simd, dy, start) * unit;
+        let dz = load(simd, dz, start) * unit;
+        let t_min = load(simd, rays.range[0], start);
+        let t_max = load(simd, rays.range[1], start);
+        let a = dx * dx + dy * dy;
+        let k = ox * dy - oy * dx;
+        let far = ox.abs().max(oy.abs()).max(oz.abs());
+        let length2 = dz.mul_add(dz, a);
+        let ordinary = far.simd_le(f64x8::splat(simd, NEAR))
+            & length2.simd_ge(f64x8::splat(simd, SHORTEST))
+            & length2.simd_le(f64x8::splat(simd, LONGEST));
+        let b = ox * dx + oy * dy;
+        let c = ox * ox + oy * oy;
+        let along = oz.mul_add(dz, b);
+        let outside = oz.mul_add(oz, c) - f64x8::splat(simd, outline.radius2);
+        let meets = t_min.simd_le(t_max)
+            & (k * k).simd_le(a * f64x8::splat(simd, outline.reach2))
+            & (along * along).simd_ge(outside * length2);
+        let ordinary = ordinary.to_bitmask() as u32;
+        let mut strange = !ordinary & 0xff;
+        while strange != 0 {
+            self.single.push(start as u32 + strange.trailing_zeros());
+            strange &= strange - 1;
+        }
+        let meets = meets.to_bitmask() as u32 & ordinary;
+        if meets == 0 {
+            return;
+        }
+        let at = self.len;
+        let mask = mask64x8::from_bitmask(simd, u64::from(meets));
+        ox.compress(mask).store_slice(&mut self.origin[0][at..at + WIDTH]);
+        oy.compress(mask).store_slice(&mut self.origin[1][at..at + WIDTH]);
+        oz.compress(mask).store_slice(&mut self.origin[2][at..at + WIDTH]);
+        dx.compress(mask).store_slice(&mut self.direction[0][at..at + WIDTH]);
+        dy.compress(mask).store_slice(&mut self.direction[1][at..at + WIDTH]);
+        dz.compress(mask).store_slice(&mut self.direction[2][at..at + WIDTH]);
+        a.compress(mask).store_slice(&mut self.abc[0][at..at + WIDTH]);
+        b.compress(mask).store_slice(&mut self.abc[1][at..at + WIDTH]);
+        c.compress(mask).store_slice(&mut self.abc[2][at..at + WIDTH]);
+        length2.compress(mask).store_slice(&mut self.length2[at..at + WIDTH]);
+        t_min.compress(mask).store_slice(&mut self.range[0][at..at + WIDTH]);
+        t_max.compress(mask).store_slice(&mut self.range[1][at..at + WIDTH]);
+        far.compress(mask).store_slice(&mut self.far[at..at + WIDTH]);
+        let mut bits = meets;
+        while bits != 0 {
+            self.ray[self.len] = start as u32 + bits.trailing_zeros();
+            self.len += 1;
+            bits &= bits - 1;
+        }
+    }
+}
+
+#[inline(always)]
+fn load<S: Simd>(simd: S, column: &[f64], start: usize) -> f64x8<S> {
+    f64x8::from_slice(simd, &column[start..start + WIDTH])
 }

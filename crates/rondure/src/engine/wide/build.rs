@@ -45,19 +45,16 @@ fn parts(index: u32, piece: &Piece, unit: f64, parts: &mut Vec<Part>) {
     let mut start = 0.0_f64;
     let mut length = 1.0_f64;
     while start < 1.0 {
-        let mut best = None;
         // Longer than the last one at first, then shorter.
         let mut tried: f64 = (4.0 / 3.0 * length).min(1.0 - start);
-        loop {
+        let (fit, end) = loop {
             let tried_end = if start + tried > 1.0 - least { 1.0 } else { start + tried };
             let fit = Quadric::new(piece, [start, tried_end], unit);
             if is_fine(&fit, [start, tried_end]) || tried <= least {
-                best = Some((fit, tried_end));
-                break;
+                break (fit, tried_end);
             }
             tried = (0.8 * tried).max(least);
-        }
-        let Some((fit, end)) = best else { return };
+        };
         let leaf = Leaf::new(piece.kind, index, &fit);
         parts.push(Part { fit, leaf, extent: extent(piece, [start, end], unit) });
         length = end - start;

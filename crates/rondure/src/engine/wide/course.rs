@@ -61,8 +61,8 @@ pub(super) const NEAR: f64 = 8.0;
 pub(super) const FAR: f64 = 4096.0;
 
 /// Squared lengths of directions, in these units, for which nothing overflows, not even in f32, or vanishes.
-const SHORTEST: f64 = 1.0 / (1_u64 << 40) as f64;
-const LONGEST: f64 = (1_u64 << 40) as f64;
+pub(super) const SHORTEST: f64 = 1.0 / (1_u64 << 40) as f64;
+pub(super) const LONGEST: f64 = (1_u64 << 40) as f64;
 
 impl Course {
     /// A ray as a surface sees it that stands in a frame. If that is not `PLACED`, the ray does not

@@ -211,7 +211,7 @@ impl Leaf {
     }
 
     #[inline(always)]
-    fn guess(&self, fma: impl Fused, lambda: f64) -> f64 {
+    pub(super) fn guess(&self, fma: impl Fused, lambda: f64) -> f64 {
         let [c0, c1, c2, c3] = self.guess.map(f64::from);
         let value = fma.fused(fma.fused(fma.fused(c3, lambda, c2), lambda, c1), lambda, c0);
         if self.flags & POLE == 0 {

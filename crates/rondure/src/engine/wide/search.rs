@@ -10,7 +10,7 @@ use super::block::{LANES, Meeting};
 use super::course::Course;
 use super::exactly::sort;
 use super::leaf::{Finding, Spot};
-use super::order::first;
+use super::order::{first, least};
 use super::walk::Way;
 use crate::Ray;
 use crate::engine::counters::Count;
@@ -57,7 +57,7 @@ impl Nearest {
 }
 
 /// The spots of a block: the first roots of its leaves, then the second ones.
-struct Spots<S: Simd> {
+pub(super) struct Spots<S: Simd> {
     meeting: Meeting<S>,
     /// Which of them wait.
     waiting: u32,
@@ -69,7 +69,7 @@ struct Spots<S: Simd> {
 
 impl<S: Simd> Spots<S> {
     #[inline(always)]
-    fn new(meeting: Meeting<S>) -> Self {
+    pub(super) fn new(meeting: Meeting<S>) -> Self {
         let mut spots = Self {
             waiting: meeting.may,
             tau: [0.0; 2 * LANES],
@@ -88,11 +88,18 @@ impl<S: Simd> Spots<S> {
 
     /// Takes out the one that comes first, or nearly so, with its leaf's lane.
     #[inline(always)]
-    fn first(&mut self, simd: S) -> (usize, Spot) {
+    pub(super) fn first(&mut self, simd: S) -> (usize, Spot) {
         let lows = self.meeting.low[0].narrow(self.meeting.low[1]);
         let number = first(simd, lows, mask32x16::from_bitmask(simd, u64::from(self.waiting)));
         self.waiting &= !(1 << number);
         (number % LANES, self.spot(number))
+    }
+
+    /// Where those that wait begin, at the earliest; if that is negative, minus infinity.
+    #[inline(always)]
+    pub(super) fn least(&self, simd: S) -> f64 {
+        let lows = self.meeting.low[0].narrow(self.meeting.low[1]);
+        begin(least(simd, lows, mask32x16::from_bitmask(simd, u64::from(self.waiting))))
     }
 
     /// Takes out any.
@@ -380,6 +387,18 @@ impl Wide {
                 end = end.min(found);
             }
         }
+    }
+}
+
+/// Where things begin of which that is the least, as an f32 that may have been rounded up.
+#[inline(always)]
+pub(super) fn begin(least: f32) -> f64 {
+    if least > 0.0 {
+        f64::from(least) * (1.0 - f64::from(f32::EPSILON))
+    } else if least.is_nan() {
+        f64::INFINITY
+    } else {
+        f64::NEG_INFINITY
     }
 }
 

@@ -7,7 +7,8 @@ use fearless_simd::{Simd, f32x16, mask32x16};
 use super::Wide;
 use super::boxes::{Slabs, WIDTH};
 use super::course::Course;
-use super::order::first;
+use super::order::{first, least};
+use super::search::begin;
 
 /// Levels of boxes above the lowest: 2^20 blocks.
 const LEVELS: usize = 4;
@@ -64,10 +65,24 @@ impl Way {
         }
     }
 
+    /// Where the ray enters what is left, at the earliest; if that is negative, minus infinity.
+    #[inline(always)]
+    pub(super) fn least<S: Simd>(&self, simd: S) -> f64 {
+        let mut least = self.current.least(simd);
+        for vector in &self.above {
+            least = least.min(vector.least(simd));
+        }
+        least
+    }
+
     /// Whether no block is left before `end`.
     #[inline(always)]
     pub(super) fn is_over<S: Simd>(&self, simd: S, end: f64) -> bool {
-        self.above.is_empty() && self.current.waiting_before(simd, end).0 == 0
+        let mut waiting = self.current.waiting_before(simd, end).0;
+        for vector in &self.above {
+            waiting |= vector.waiting_before(simd, end).0;
+        }
+        waiting == 0
     }
 }
 
@@ -93,6 +108,12 @@ impl Vector {
         let enter = f32x16::from_slice(simd, &self.enter);
         let before = enter.simd_le(f32x16::splat(simd, beyond(end)));
         (self.waiting & before.to_bitmask() as u32, enter)
+    }
+
+    #[inline(always)]
+    fn least<S: Simd>(&self, simd: S) -> f64 {
+        let enter = f32x16::from_slice(simd, &self.enter);
+        begin(least(simd, enter, mask32x16::from_bitmask(simd, u64::from(self.waiting))))
     }
 
     /// The nearest box that waits.
