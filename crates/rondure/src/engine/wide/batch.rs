@@ -51,7 +51,6 @@ struct Task {
     /// The ray, as numbered in the lot.
     ray: u32,
     leaf: u32,
-    s: f64,
     spot: Spot,
     /// No other spot of the ray comes before that.
     next: f64,
@@ -136,8 +135,8 @@ impl Wide {
                 let end = course.range[1];
                 let mut way = Way::new(simd, self, &course);
                 let mut unsure = false;
-                while let Some(block) = way.next(simd, self, end) {
-                    let meeting = self.blocks[block].test::<S, true>(simd, &course, end);
+                while let Some((block, enter)) = way.next(simd, self, end) {
+                    let meeting = self.blocks[block].test::<S, true>(simd, &course, enter, end);
                     if meeting.sure != 0 {
                         if let Some(hit) = hits.get_mut(lot.ray[i] as usize) {
                             *hit = true;
@@ -164,8 +163,8 @@ impl Wide {
         let course = lot.course(i);
         let end = course.range[1];
         let mut way = Way::new(simd, self, &course);
-        let Some(block) = way.next(simd, self, end) else { return };
-        let meeting = self.blocks[block].test::<S, false>(simd, &course, end);
+        let Some((block, enter)) = way.next(simd, self, end) else { return };
+        let meeting = self.blocks[block].test::<S, false>(simd, &course, enter, end);
         let over = way.is_over(simd, end);
         if meeting.may == 0 && meeting.tangent == 0 && over {
             return;
@@ -176,11 +175,9 @@ impl Wide {
         }
         let mut spots = Spots::new(meeting);
         let (lane, spot) = spots.first(simd);
-        let next = spots.least(simd).min(way.least(simd));
-        let leaf = &self.leaves[block * LANES + lane];
-        let s = leaf.guess(Best(simd), spot.lambda);
+        let next = spots.least(simd).min(f64::from(way.least(simd)));
         let leaf = (block * LANES + lane) as u32;
-        tasks.push(Task { ray: i as u32, leaf, s, spot, next });
+        tasks.push(Task { ray: i as u32, leaf, spot, next });
     }
 
     /// Finds up to eight hits.

@@ -1,7 +1,8 @@
-//! Eight leaves at once: where a ray meets the quadrics beside them.
+//! Eight leaves at once: where a ray meets the quadrics beside them, in f32.
 //!
-//! With zeta0 the ray's height at tau = 0 above the middle of a leaf, Q along the ray is
-//! U tau^2 + 2 V tau + W:
+//! The ray begins where it enters the box round the block, and heights and squared radii count from a corner
+//! of that box: no number is then larger than the block demands, and f32 is good to a few millionths of it. With
+//! zeta0 the ray's height there above the middle of a leaf, Q along the ray is U tau^2 + 2 V tau + W:
 //!
 //! ```text
 //! H = beta / 2 + p zeta0        U = alpha a + p dz^2
@@ -9,23 +10,26 @@
 //!                               W = alpha c + zeta0 (H + beta / 2) + gamma
 //! ```
 //!
-//! Let the curve be off by `e` at the most: |Q| <= e on it. Where |Q| <= e along the ray, Q' is at least
-//! 2 sqrt(V^2 - U W - |U| e). If that is more than the curve's own h' lambda' (see
+//! Let Q be off by `e` at the most: the fit's error and the rounding of f32. Where |Q| <= e along the ray, Q' is
+//! at least 2 sqrt(V^2 - U W - |U| e). If that is more than the curve's own h' lambda' (see
 //! [`quadric`](super::quadric)), the ray crosses the leaf once at the most about each of the two roots,
 //! no farther from it than e / sqrt(V^2 - U W); that is so beyond `tangency`. Below minus that there is no
 //! crossing. Between the two the ray may be tangent, which is left to the exact engine.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f64x8};
+use fearless_simd::{Simd, f32x8};
 
-use super::course::{Course, NEAR};
+use super::boxes::Extent;
+use super::course::Course;
 use super::quadric::Quadric;
-use crate::numeric::UNIT_ROUNDOFF;
 
 /// How many leaves are tested at once.
 pub(super) const LANES: usize = 8;
 
-type Lanes = [f64; LANES];
+/// The unit roundoff of f32.
+const ROUNDOFF: f64 = 0.5 * f32::EPSILON as f64;
+
+type Lanes = [f32; LANES];
 
 /// Eight leaves.
 #[derive(Clone, Debug)]
@@ -47,17 +51,21 @@ pub(super) struct Block {
     room: Lanes,
     /// The same for tau, for any length.
     blur: Lanes,
+    /// From where z and w count.
+    corner: [f64; 2],
 }
 
 /// What was found of eight leaves.
 pub(super) struct Meeting<S: Simd> {
+    /// Where tau counts from.
+    pub(super) origin: f64,
     /// The two roots, the first one less than the second, how far off each may be, and the least that
     /// they may be.
-    pub(super) tau: [f64x8<S>; 2],
-    pub(super) blur: f64x8<S>,
-    pub(super) low: [f64x8<S>; 2],
+    pub(super) tau: [f32x8<S>; 2],
+    pub(super) blur: f32x8<S>,
+    pub(super) low: [f32x8<S>; 2],
     /// lambda there.
-    pub(super) lambda: [f64x8<S>; 2],
+    pub(super) lambda: [f32x8<S>; 2],
     /// Which leaves may have a hit at the first root, and above those eight bits, at the second one; no
     /// more than one each.
     pub(super) may: u32,
@@ -81,82 +89,114 @@ impl Block {
         bend: [0.0; LANES],
         room: [0.0; LANES],
         blur: [0.0; LANES],
+        corner: [0.0; 2],
     };
 
-    /// `radius` is a bound on the distance of the leaves from the centre.
-    pub(super) fn set(&mut self, lane: usize, q: &Quadric, radius: f64) {
-        let (a, b, c, p) = (q.alpha.abs(), q.beta.abs(), q.gamma.abs(), q.p.abs());
-        // Neither origins nor hits are farther away than that, nor is zeta larger.
-        let far = NEAR + radius;
-        // No term of U tau^2 + 2 V tau + W is larger than this, and the roundings are fewer than 64.
-        let largest = far * far * (a + p) + far * b + c;
-        let error = 1.01 * q.error + 64.0 * UNIT_ROUNDOFF * largest;
-        let growth = q.growth();
-        let steepest = 0.5 * q.slope * growth;
-        let v_most = far * (a + p) + b;
-        let rounding = 64.0 * UNIT_ROUNDOFF * v_most * v_most;
-        let tangency = 1.01 * steepest * steepest + rounding;
-        let finite = |v: f64| if v.is_finite() { v } else { 1e200 };
-        let room = error * growth + 64.0 * UNIT_ROUNDOFF * v_most;
-        self.z[lane] = q.z;
-        self.alpha[lane] = q.alpha;
-        self.half_beta[lane] = 0.5 * q.beta;
-        self.gamma[lane] = q.gamma;
-        self.p[lane] = q.p;
-        for (lanes, own) in self.lambda.iter_mut().zip(q.lambda) {
-            lanes[lane] = own;
+    /// A block of leaves within `extent`.
+    pub(super) fn new<'a>(fits: impl Iterator<Item = &'a Quadric>, extent: &Extent) -> Self {
+        let mut block = Self { corner: [extent.z[0], extent.w[0]], ..Self::EMPTY };
+        for (lane, fit) in fits.enumerate().take(LANES) {
+            block.set(lane, fit, extent);
         }
-        self.height[lane] = q.height + 16.0 * UNIT_ROUNDOFF * far;
-        self.tangency[lane] = finite(tangency);
-        self.bend[lane] = finite(2.0 * error);
-        self.room[lane] = finite(1.01 * room);
-        self.blur[lane] = finite(1.01 * error);
+        block
     }
 
-    /// Which of the leaves the ray may hit before `end`, and about where.
+    fn set(&mut self, lane: usize, q: &Quadric, extent: &Extent) {
+        let [z, w] = self.corner;
+        let gamma = q.gamma + q.alpha * w;
+        let (a, b, c, p) = (q.alpha.abs(), q.beta.abs(), gamma.abs(), q.p.abs());
+        // The ray's origin and all hits lie in the box, with some room for rounding.
+        let height = 1.01 * (extent.z[1] - extent.z[0]);
+        let depth = 1.01 * (extent.w[1] - extent.w[0]);
+        let width = 1.01 * extent.w[1];
+        let diameter = (4.0 * width + height * height).sqrt();
+        // No terms of U tau^2 + 2 V tau + W are larger than these, with |zeta| <= height and
+        // |b tau| <= 2 width, and fewer than 12 roundings go into each, those of the ray among them.
+        let largest = a * (8.0 * width + depth) + 3.0 * (b * height) + 6.0 * (p * height * height) + c;
+        let error = 1.01 * q.error + 12.0 * ROUNDOFF * largest;
+        let growth = q.growth();
+        let steepest = 0.5 * q.slope * growth;
+        let v_most = a * width.sqrt() + b + 2.0 * (p * height);
+        let w_most = a * depth + 2.0 * (b * height) + p * height * height + c;
+        // The roundings of the discriminant, which may be larger than it.
+        let tangency = 1.01 * steepest * steepest
+            + 16.0 * ROUNDOFF * (v_most * v_most + (a + p) * w_most);
+        // No root of the discriminant is larger, and tau is off by its roundings, too.
+        let most = v_most + ((a + p) * w_most).sqrt();
+        let blur = error + 8.0 * ROUNDOFF * (diameter * most);
+        let [lz, lw, l0] = q.lambda;
+        let l0 = l0 + lw * w;
+        let lambda_size = (lz * height).abs() + 8.0 * (lw * width).abs() + l0.abs();
+        let room = blur * growth + 12.0 * ROUNDOFF * (lambda_size * most);
+        let finite = |v: f64| if v < 1e30 { v as f32 } else { 1e30 };
+        self.z[lane] = (q.z - z) as f32;
+        self.alpha[lane] = q.alpha as f32;
+        self.half_beta[lane] = (0.5 * q.beta) as f32;
+        self.gamma[lane] = gamma as f32;
+        self.p[lane] = q.p as f32;
+        for (lanes, own) in self.lambda.iter_mut().zip([lz, lw, l0]) {
+            lanes[lane] = own as f32;
+        }
+        self.height[lane] = (q.height + 8.0 * ROUNDOFF * height) as f32;
+        self.tangency[lane] = finite(1.01 * tangency);
+        self.bend[lane] = finite(2.02 * error);
+        self.room[lane] = finite(1.01 * room);
+        self.blur[lane] = finite(1.01 * blur);
+    }
+
+    /// Which of the leaves the ray may hit before `end`, and about where, if it enters the block's box at
+    /// `origin`.
     #[inline(always)]
     pub(super) fn test<S: Simd, const SURE: bool>(
         &self,
         simd: S,
         ray: &Course,
+        origin: f32,
         end: f64,
     ) -> Meeting<S> {
-        let (dz, b) = (-ray.direction.z, -ray.b);
+        let origin = f64::from(origin);
+        let (own_a, own_b) = (ray.a as f32, ray.a * origin + ray.b);
+        // w there, which is (own_b + b) origin + c.
+        let own_c = ((own_b + ray.b) * origin + (ray.c - self.corner[1])) as f32;
+        let own_z = (ray.direction.z * origin + (ray.origin.z - self.corner[0])) as f32;
+        let (own_b, own_dz) = (own_b as f32, ray.direction.z as f32);
+        let length2 = ray.length2 as f32;
+        let [start, end] = [ray.range[0], end].map(|t| (t - origin) as f32);
         let (alpha, p) = (load(simd, &self.alpha), load(simd, &self.p));
         let half_beta = load(simd, &self.half_beta);
-        let zeta = splat(simd, ray.origin.z) - load(simd, &self.z);
+        let (a, b, c) = (splat(simd, own_a), splat(simd, own_b), splat(simd, own_c));
+        let dz = splat(simd, own_dz);
+        let zeta = splat(simd, own_z) - load(simd, &self.z);
         let h = p.mul_add(zeta, half_beta);
-        let u = p.mul_add(splat(simd, dz * dz), alpha * splat(simd, ray.a));
+        let u = p.mul_add(splat(simd, own_dz * own_dz), alpha * a);
         // -V
-        let v = h.mul_add(splat(simd, dz), alpha * splat(simd, b));
-        let w = alpha.mul_add(splat(simd, ray.c), load(simd, &self.gamma));
-        let w = zeta.mul_add(h + half_beta, w);
+        let v = h.mul_sub(-dz, alpha * b);
+        let w = zeta.mul_add(h + half_beta, alpha.mul_add(c, load(simd, &self.gamma)));
         let discriminant = v.mul_sub(v, u * w);
-        let tangency = load(simd, &self.tangency) * splat(simd, ray.length2);
+        let tangency = load(simd, &self.tangency) * splat(simd, length2);
         let tangency = load(simd, &self.bend).mul_add(u.abs(), tangency);
         let steep = discriminant.simd_gt(tangency);
         let root = discriminant.sqrt();
         let q = v + root.copysign(v);
         let (tau_a, tau_b) = (q / u, w / q);
         let (near, far) = (tau_a.min(tau_b), tau_a.max(tau_b));
-        let per_root = reciprocal(root);
+        let per_root = root.approximate_recip();
         let one = splat(simd, 1.0);
-        let room = (load(simd, &self.room) * splat(simd, ray.length2.sqrt())).mul_add(per_root, one);
+        let room = (load(simd, &self.room) * splat(simd, length2.sqrt())).mul_add(per_root, one);
         let blur = load(simd, &self.blur) * per_root;
         // lambda as a quadratic in tau.
         let [l0, l1, l2] = &self.lambda;
         let (lz, lw) = (load(simd, l0), load(simd, l1));
-        let l0 = lz.mul_add(zeta, lw.mul_add(splat(simd, ray.c), load(simd, l2)));
-        let l1 = lz.mul_add(splat(simd, ray.direction.z), lw * splat(simd, ray.b + ray.b));
-        let l2 = lw * splat(simd, ray.a);
+        let l0 = lz.mul_add(zeta, lw.mul_add(c, load(simd, l2)));
+        let l1 = lz.mul_add(dz, lw * (b + b));
+        let l2 = lw * a;
         let at_near = l2.mul_add(near, l1).mul_add(near, l0);
         let at_far = l2.mul_add(far, l1).mul_add(far, l0);
         // Another point of the quadric with the same lambda has another height.
-        let height = splat(simd, dz.abs()).mul_add(blur, load(simd, &self.height));
-        let dz = splat(simd, ray.direction.z);
+        let height = dz.abs().mul_add(blur, load(simd, &self.height));
         let near_height = dz.mul_add(near, zeta).abs().simd_le(height);
         let far_height = dz.mul_add(far, zeta).abs().simd_le(height);
-        let (start, end) = (splat(simd, ray.range[0]), splat(simd, end));
+        let (start, end) = (splat(simd, start), splat(simd, end));
         let near_ends = [near - blur, near + blur];
         let far_ends = [far - blur, far + blur];
         let may = [
@@ -200,22 +240,17 @@ impl Block {
         }
         let low = [near_ends[0], far_ends[0]];
         let may = (may[0].to_bitmask() | may[1].to_bitmask() << LANES) as u32;
-        Meeting { tau: [near, far], blur, low, lambda: [at_near, at_far], may, sure, tangent }
+        let lambda = [at_near, at_far];
+        Meeting { origin, tau: [near, far], blur, low, lambda, may, sure, tangent }
     }
 }
 
-/// One over a number; on all but AVX-512 that is a division.
 #[inline(always)]
-fn reciprocal<S: Simd>(x: f64x8<S>) -> f64x8<S> {
-    x.approximate_recip()
+fn load<S: Simd>(simd: S, lanes: &Lanes) -> f32x8<S> {
+    f32x8::from_slice(simd, lanes)
 }
 
 #[inline(always)]
-fn load<S: Simd>(simd: S, lanes: &Lanes) -> f64x8<S> {
-    f64x8::from_slice(simd, lanes)
-}
-
-#[inline(always)]
-fn splat<S: Simd>(simd: S, value: f64) -> f64x8<S> {
-    f64x8::splat(simd, value)
+fn splat<S: Simd>(simd: S, value: f32) -> f32x8<S> {
+    f32x8::splat(simd, value)
 }

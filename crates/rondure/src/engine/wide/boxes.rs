@@ -5,12 +5,14 @@
 //! stretch lies within the inner cylinder if both its ends do.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16};
+use fearless_simd::{Simd, f32x8};
 
 use super::course::{Course, NEAR};
 
-/// How many boxes are tested at once.
+/// How many boxes belong together.
 pub(super) const WIDTH: usize = 16;
+/// How many are tested at once.
+const HALF: usize = 8;
 
 /// Padding of z, and of w: neither origins nor boxes are farther away than NEAR, and the roundings of the
 /// tests below are fewer than 16, of numbers no larger than that, or than its square.
@@ -27,8 +29,16 @@ const LEAST: f32 = 1.0 / (1_u32 << 24) as f32;
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Boxes {
-    z: [[f32; WIDTH]; 2],
-    w: [[f32; WIDTH]; 2],
+    halves: [Half; 2],
+    /// How many of them there are.
+    len: usize,
+}
+
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
+struct Half {
+    z: [[f32; HALF]; 2],
+    w: [[f32; HALF]; 2],
 }
 
 /// Ranges of z and w.
@@ -84,13 +94,41 @@ impl Slabs {
 }
 
 impl Boxes {
-    pub(super) const EMPTY: Self = Self {
+    /// Boxes round these.
+    pub(super) fn new(extents: &[Extent]) -> Self {
+        let mut boxes = Self { halves: [Half::EMPTY; 2], len: extents.len().min(WIDTH) };
+        for (i, extent) in extents.iter().enumerate().take(WIDTH) {
+            boxes.halves[i / HALF].set(i % HALF, extent);
+        }
+        boxes
+    }
+
+    /// Which boxes the ray meets before `end`, as a set of bits; where it enters each goes to `enter`.
+    #[inline(always)]
+    pub(super) fn test<S: Simd>(
+        &self,
+        simd: S,
+        ray: &Slabs,
+        end: f32,
+        enter: &mut [f32; WIDTH],
+    ) -> u32 {
+        let (first, second) = enter.split_at_mut(HALF);
+        let mut mask = self.halves[0].test(simd, ray, end, first);
+        if self.len > HALF {
+            mask |= self.halves[1].test(simd, ray, end, second) << HALF;
+        }
+        mask
+    }
+}
+
+impl Half {
+    const EMPTY: Self = Self {
         // Nowhere.
-        z: [[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]],
-        w: [[f32::INFINITY; WIDTH], [-1.0; WIDTH]],
+        z: [[f32::INFINITY; HALF], [f32::NEG_INFINITY; HALF]],
+        w: [[f32::INFINITY; HALF], [-1.0; HALF]],
     };
 
-    pub(super) fn set(&mut self, lane: usize, extent: &Extent) {
+    fn set(&mut self, lane: usize, extent: &Extent) {
         for i in 0..2 {
             let out = if i == 0 { -1.0 } else { 1.0 };
             self.z[i][lane] = (extent.z[i] + out * PADDING[0]) as f32;
@@ -98,9 +136,8 @@ impl Boxes {
         }
     }
 
-    /// Which boxes the ray meets before `end`, as a set of bits, and where it enters each.
     #[inline(always)]
-    pub(super) fn test<S: Simd>(&self, simd: S, ray: &Slabs, end: f32) -> (u32, f32x16<S>) {
+    fn test<S: Simd>(&self, simd: S, ray: &Slabs, end: f32, enters: &mut [f32]) -> u32 {
         let (oz, per_dz) = (splat(simd, ray.oz), splat(simd, ray.per_dz));
         let t0 = (load(simd, &self.z[0]) - oz) * per_dz;
         let t1 = (load(simd, &self.z[1]) - oz) * per_dz;
@@ -118,16 +155,17 @@ impl Boxes {
         let mask = enter.simd_le(leave)
             & discriminant.simd_ge(splat(simd, 0.0))
             & w_enter.max(w_leave).simd_ge(load(simd, &self.w[0]));
-        (mask.to_bitmask() as u32, enter)
+        enter.store_slice(enters);
+        mask.to_bitmask() as u32
     }
 }
 
 #[inline(always)]
-fn load<S: Simd>(simd: S, lanes: &[f32; WIDTH]) -> f32x16<S> {
-    f32x16::from_slice(simd, lanes)
+fn load<S: Simd>(simd: S, lanes: &[f32; HALF]) -> f32x8<S> {
+    f32x8::from_slice(simd, lanes)
 }
 
 #[inline(always)]
-fn splat<S: Simd>(simd: S, value: f32) -> f32x16<S> {
-    f32x16::splat(simd, value)
+fn splat<S: Simd>(simd: S, value: f32) -> f32x8<S> {
+    f32x8::splat(simd, value)
 }

@@ -111,7 +111,7 @@ fn cuts(extents: &[Extent]) -> Vec<usize> {
 }
 
 /// Builds all of it; the pieces must not be empty.
-pub(super) fn build(pieces: &[Piece], unit: f64, radius: f64) -> Built {
+pub(super) fn build(pieces: &[Piece], unit: f64) -> Built {
     let mut row = Vec::new();
     for (index, piece) in (0..).zip(pieces) {
         parts(index, piece, unit, &mut row);
@@ -122,36 +122,29 @@ pub(super) fn build(pieces: &[Piece], unit: f64, radius: f64) -> Built {
     let mut boxes = Vec::new();
     let mut start = 0;
     for end in cuts(&extents) {
-        let mut block = Block::EMPTY;
-        for (lane, part) in row[start..end].iter().enumerate() {
-            block.set(lane, &part.fit, radius);
-            leaves.push(part.leaf);
-        }
-        let last = row[end - 1].leaf;
-        leaves.extend(core::iter::repeat_n(last, LANES - (end - start)));
-        blocks.push(block);
-        boxes.push(extents[start..end].iter().fold(Extent::NONE, |all, own| all.union(own)));
+        let parts = &row[start..end];
+        let around = parts.iter().fold(Extent::NONE, |all, part| all.union(&part.extent));
+        blocks.push(Block::new(parts.iter().map(|part| &part.fit), &around));
+        boxes.push(around);
+        leaves.extend(parts.iter().map(|part| part.leaf));
+        // So that a lane has the number of its leaf.
+        leaves.extend(core::iter::repeat_n(row[end - 1].leaf, LANES - parts.len()));
         start = end;
     }
     Built { blocks, leaves, levels: levels(boxes) }
 }
 
-/// Boxes round boxes, up to a level that is one vector of them; no level for a single block.
+/// Boxes round boxes, up to a level that is one vector of them.
 fn levels(mut extents: Vec<Extent>) -> Vec<Vec<Boxes>> {
     let mut levels = Vec::new();
-    while extents.len() > 1 {
-        let vectors = extents.chunks(WIDTH).map(|extents| {
-            let mut vector = Boxes::EMPTY;
-            for (lane, extent) in extents.iter().enumerate() {
-                vector.set(lane, extent);
-            }
-            vector
-        });
-        levels.push(vectors.collect());
+    loop {
+        levels.push(extents.chunks(WIDTH).map(Boxes::new).collect());
+        if extents.len() <= WIDTH {
+            return levels;
+        }
         let around = |own: &[Extent]| own.iter().fold(Extent::NONE, |all, own| all.union(own));
         extents = extents.chunks(WIDTH).map(around).collect();
     }
-    levels
 }
 
 #[cfg(test)]
@@ -163,7 +156,7 @@ mod tests {
         for name in ["vase", "goblet", "pawn", "column", "sphere", "torus", "cone"] {
             let text = std::fs::read_to_string(format!("../../profiles/{name}.path")).unwrap();
             let pieces: Vec<_> = Profile::from_path_data(&text).unwrap().segments().flat_map(piece::cut).filter(|p| p.r != [0.0;4]).collect();
-            let built = build(&pieces, 1.0, 2.0);
+            let built = build(&pieces, 1.0);
             let mut row = Vec::new();
             for (i, p) in (0..).zip(&pieces) { parts(i, p, 1.0, &mut row); }
             println!("{name}: pieces {} leaves {} blocks {} levels {:?}", pieces.len(), row.len(), built.blocks.len(), built.levels.iter().map(Vec::len).collect::<Vec<_>>());

@@ -52,7 +52,7 @@ pub(crate) struct Wide {
     leaves: Vec<Leaf>,
     /// One for each piece.
     curves: Vec<Curve>,
-    /// Boxes round the blocks, and round boxes; none for a single block.
+    /// Boxes round the blocks, and round boxes: the last level is one vector of them.
     levels: Vec<Vec<Boxes>>,
 }
 
@@ -64,7 +64,7 @@ impl Wide {
         let r_max = pieces.iter().fold(0.0_f64, |m, p| m.max(p.r[0]).max(p.r[3]));
         let size = radius * unit;
         let reach = r_max * unit + gamma(64) * size + 8.0 * FAR * UNIT_ROUNDOFF;
-        let built = build::build(pieces, unit, size);
+        let built = build::build(pieces, unit);
         Self {
             level,
             outline: Outline {
@@ -154,6 +154,71 @@ impl Wide {
             Ok(course) => self.all_on(simd, question, &course, hits),
             Err(Astray::Misses) => {}
             Err(Astray::Strange) => self.all_exactly(question, hits),
+        }
+    }
+}
+
+#[cfg(test)]
+mod timing {
+    use super::*;
+    use crate::{Profile, Vec3, piece};
+    use cpu_time::ThreadTime;
+    use core::hint::black_box;
+
+    #[inline(always)]
+    fn part<S: Simd>(simd: S, wide: &Wide, frame: &Frame, ray: &Ray, stage: u32, pieces: &[Piece]) -> f64 {
+        let Ok(course) = Course::new::<false>(Best(simd), frame, ray, &wide.outline) else { return 0.0 };
+        if stage == 0 { return course.b; }
+        if stage == 5 {
+            let m = wide.blocks[1].test::<S, true>(simd, &course, 0.0, course.range[1]);
+            return f64::from(m.sure);
+        }
+        let mut way = walk::Way::new(simd, wide, &course);
+        let Some((block, enter)) = way.next(simd, wide, course.range[1]) else { return 0.0 };
+        if stage == 1 { return block as f64; }
+        if stage == 2 {
+            let m = wide.blocks[block].test::<S, true>(simd, &course, enter, course.range[1]);
+            return f64::from(m.sure);
+        }
+        let m = wide.blocks[block].test::<S, false>(simd, &course, enter, course.range[1]);
+        if m.may == 0 { return 1.0; }
+        let mut spots = search::Spots::new(m);
+        let (lane, spot) = spots.first(simd);
+        if stage == 3 { return spot.tau + lane as f64; }
+        let leaf = &wide.leaves[block * 8 + lane];
+        let _ = pieces;
+        if let leaf::Finding::Hit { tau, s, .. } = leaf.hit(Best(simd), &wide.curves, &course, spot) { return tau + s; }
+        2.0
+    }
+
+    #[test]
+    fn time() {
+        let text = std::fs::read_to_string("../../profiles/vase.path").unwrap();
+        let pieces: Vec<_> = Profile::from_path_data(&text).unwrap().segments().flat_map(piece::cut).map(|p| p.lowered(0.5)).filter(|p| p.r != [0.0; 4]).collect();
+        let wide = Wide::new(&pieces, 0.6, Level::new());
+        let frame = Frame::unplaced(0.5, 0.6);
+        let mut state = 1_u64;
+        let mut number = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let rays: Vec<_> = (0..1 << 16).map(|_| {
+            let o = Vec3::new(number() - 0.5, number() - 0.5, number() - 0.5).normalized() * 0.6 + Vec3::new(0.0, 0.0, 0.5);
+            let t = Vec3::new(number() * 0.6 - 0.3, number() * 0.6 - 0.3, number());
+            Ray::new(o, t - o)
+        }).collect();
+        for stage in [0, 5, 1, 2, 3, 4] {
+            let mut best = f64::INFINITY;
+            for _ in 0..9 {
+                let start = ThreadTime::now();
+                dispatch!(wide.level, simd => {
+                    let mut sum = 0.0;
+                    for ray in &rays { sum += part(simd, &wide, &frame, ray, stage, &pieces); }
+                    black_box(sum);
+                });
+                best = best.min(start.elapsed().as_secs_f64() / rays.len() as f64 * 1e9);
+            }
+            println!("stage {stage}: {best:.2} ns");
         }
     }
 }

@@ -1,36 +1,45 @@
 //! Which of sixteen parameters comes first.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, mask32x16, u32x16};
+use fearless_simd::{Simd, f32x8, mask32x8, u32x8};
 
-/// How many are compared.
-pub(super) const SIXTEEN: usize = 16;
+/// A number from 0 to 15 takes the place of the last bits.
+const NUMBER: u32 = 15;
 
-/// The lane's own number takes the place of the last bits.
-const LANE: u32 = SIXTEEN as u32 - 1;
+const NUMBERS: [[u32; 8]; 2] = [[0, 1, 2, 3, 4, 5, 6, 7], [8, 9, 10, 11, 12, 13, 14, 15]];
 
-/// The numbers of the lanes.
-const NUMBERS: [u32; SIXTEEN] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
-
-/// The lane of the mask with the least value, or nearly the least: values that differ by less than
-/// 2^-19 of themselves, and those that are negative, count as equal. The bits of positive floats are in
-/// order as they are.
+/// Of sixteen values those that are in the mask: a number for each that is in their order, with their own number in
+/// its last bits. Values that differ by less than 2^-19 of themselves, and those that are
+/// negative, count as equal. The bits of positive floats are in order as they are.
 #[inline(always)]
-pub(super) fn first<S: Simd>(simd: S, values: f32x16<S>, mask: mask32x16<S>) -> usize {
-    (key(simd, values, mask) & LANE) as usize
+fn keys<S: Simd>(simd: S, values: [f32x8<S>; 2], mask: u32) -> u32 {
+    let zero = f32x8::splat(simd, 0.0);
+    let value = u32x8::splat(simd, !NUMBER);
+    let none = u32x8::splat(simd, u32::MAX);
+    let bits: [u32x8<S>; 2] = [values[0].max(zero).bitcast(), values[1].max(zero).bitcast()];
+    let first = (bits[0] & value) | u32x8::from_slice(simd, &NUMBERS[0]);
+    let second = (bits[1] & value) | u32x8::from_slice(simd, &NUMBERS[1]);
+    let first = mask32x8::from_bitmask(simd, u64::from(mask & 0xff)).select(first, none);
+    let second = mask32x8::from_bitmask(simd, u64::from(mask >> 8)).select(second, none);
+    first.min(second).reduce_min()
 }
 
-/// No more than the least value in the mask, if that is not negative, and not much less; not a number if the mask
-/// is empty.
+/// The number of the least value in the mask, or nearly the least.
 #[inline(always)]
-pub(super) fn least<S: Simd>(simd: S, values: f32x16<S>, mask: mask32x16<S>) -> f32 {
-    f32::from_bits(key(simd, values, mask) & !LANE)
+pub(super) fn first<S: Simd>(simd: S, values: [f32x8<S>; 2], mask: u32) -> usize {
+    (keys(simd, values, mask) & NUMBER) as usize
 }
 
+/// No more than the least value in the mask, and not much less: minus infinity if it is negative, infinity if there
+/// is none.
 #[inline(always)]
-fn key<S: Simd>(simd: S, values: f32x16<S>, mask: mask32x16<S>) -> u32 {
-    let bits: u32x16<S> = values.max(f32x16::splat(simd, 0.0)).bitcast();
-    let numbers = u32x16::from_slice(simd, &NUMBERS);
-    let keys = (bits & u32x16::splat(simd, !LANE)) | numbers;
-    mask.select(keys, u32x16::splat(simd, u32::MAX)).reduce_min()
+pub(super) fn least<S: Simd>(simd: S, values: [f32x8<S>; 2], mask: u32) -> f32 {
+    let least = f32::from_bits(keys(simd, values, mask) & !NUMBER);
+    if least > 0.0 {
+        least
+    } else if mask == 0 {
+        f32::INFINITY
+    } else {
+        f32::NEG_INFINITY
+    }
 }

@@ -2,7 +2,7 @@
 
 use arrayvec::ArrayVec;
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f64x8, mask32x16};
+use fearless_simd::{Simd, f32x8};
 
 use super::Wide;
 use super::arithmetic::Best;
@@ -60,46 +60,38 @@ impl Nearest {
 pub(super) struct Spots<S: Simd> {
     meeting: Meeting<S>,
     /// Which of them wait.
-    waiting: u32,
+    pub(super) waiting: u32,
     /// Their numbers.
-    tau: [f64; 2 * LANES],
-    lambda: [f64; 2 * LANES],
-    blur: [f64; LANES],
+    tau: [f32; 2 * LANES],
+    lambda: [f32; 2 * LANES],
+    blur: [f32; LANES],
 }
 
 impl<S: Simd> Spots<S> {
     #[inline(always)]
     pub(super) fn new(meeting: Meeting<S>) -> Self {
-        let mut spots = Self {
-            waiting: meeting.may,
-            tau: [0.0; 2 * LANES],
-            lambda: [0.0; 2 * LANES],
-            blur: [0.0; LANES],
-            meeting,
-        };
-        let meeting = &spots.meeting;
-        for (i, half) in [0, LANES].into_iter().enumerate() {
-            meeting.tau[i].store_slice(&mut spots.tau[half..half + LANES]);
-            meeting.lambda[i].store_slice(&mut spots.lambda[half..half + LANES]);
-        }
-        meeting.blur.store_array(&mut spots.blur);
-        spots
+        let (mut tau, mut lambda) = ([0.0; 2 * LANES], [0.0; 2 * LANES]);
+        let mut blur = [0.0; LANES];
+        meeting.tau[0].store_slice(&mut tau[..LANES]);
+        meeting.tau[1].store_slice(&mut tau[LANES..]);
+        meeting.lambda[0].store_slice(&mut lambda[..LANES]);
+        meeting.lambda[1].store_slice(&mut lambda[LANES..]);
+        meeting.blur.store_array(&mut blur);
+        Self { waiting: meeting.may, meeting, tau, lambda, blur }
     }
 
     /// Takes out the one that comes first, or nearly so, with its leaf's lane.
     #[inline(always)]
     pub(super) fn first(&mut self, simd: S) -> (usize, Spot) {
-        let lows = self.meeting.low[0].narrow(self.meeting.low[1]);
-        let number = first(simd, lows, mask32x16::from_bitmask(simd, u64::from(self.waiting)));
+        let number = first(simd, self.meeting.low, self.waiting);
         self.waiting &= !(1 << number);
         (number % LANES, self.spot(number))
     }
 
-    /// Where those that wait begin, at the earliest; if that is negative, minus infinity.
+    /// Where those that wait begin, at the earliest.
     #[inline(always)]
     pub(super) fn least(&self, simd: S) -> f64 {
-        let lows = self.meeting.low[0].narrow(self.meeting.low[1]);
-        begin(least(simd, lows, mask32x16::from_bitmask(simd, u64::from(self.waiting))))
+        self.meeting.origin + f64::from(least(simd, self.meeting.low, self.waiting))
     }
 
     /// Takes out any.
@@ -112,16 +104,21 @@ impl<S: Simd> Spots<S> {
     #[inline(always)]
     fn spot(&self, number: usize) -> Spot {
         let number = number % (2 * LANES);
-        let (tau, lambda) = (self.tau[number], self.lambda[number]);
-        Spot { tau, lambda, blur: self.blur[number % LANES] }
+        Spot {
+            tau: self.meeting.origin + f64::from(self.tau[number]),
+            lambda: f64::from(self.lambda[number]),
+            blur: f64::from(self.blur[number % LANES]),
+        }
     }
 
     /// Leaves out what lies beyond `end`.
     #[inline(always)]
     fn cut(&mut self, simd: S, end: f64) {
-        let end = f64x8::splat(simd, end);
+        let end = (end - self.meeting.origin) as f32;
+        let end = f32x8::splat(simd, end + end.abs() * f32::EPSILON);
         let [near, far] = self.meeting.low;
-        self.waiting &= (near.simd_le(end).to_bitmask() | far.simd_le(end).to_bitmask() << LANES) as u32;
+        let before = near.simd_le(end).to_bitmask() | far.simd_le(end).to_bitmask() << LANES;
+        self.waiting &= before as u32;
     }
 }
 
@@ -136,8 +133,8 @@ impl Wide {
         let mut way = Way::new(simd, self, course);
         // Most rays end at the first spot in the first block: no loop that keeps everything at hand.
         let end = course.range[1];
-        let block = way.next(simd, self, end)?;
-        let meeting = self.blocks[block].test::<S, false>(simd, course, end);
+        let (block, enter) = way.next(simd, self, end)?;
+        let meeting = self.blocks[block].test::<S, false>(simd, course, enter, end);
         if meeting.may == 0 && meeting.tangent == 0 && way.is_over(simd, end) {
             return None;
         }
@@ -154,7 +151,7 @@ impl Wide {
         }
         simd.vectorize(
             #[inline(always)]
-            || self.closest_along(simd, question, course, way, block),
+            || self.closest_along(simd, question, course, way, (block, enter)),
         )
     }
 
@@ -166,12 +163,12 @@ impl Wide {
         question: &Question<'_>,
         course: &Course,
         mut way: Way,
-        mut block: usize,
+        (mut block, mut enter): (usize, f32),
     ) -> Option<Hit> {
         let mut nearest = Nearest::NONE;
         let mut end = course.range[1];
         loop {
-            let meeting = self.blocks[block].test::<S, false>(simd, course, end);
+            let meeting = self.blocks[block].test::<S, false>(simd, course, enter, end);
             let mut lanes = meeting.tangent;
             while let Some(lane) = take(&mut lanes) {
                 let piece = self.leaves[block * LANES + lane].piece();
@@ -197,7 +194,7 @@ impl Wide {
                 }
             }
             let Some(next) = way.next(simd, self, end) else { break };
-            block = next;
+            (block, enter) = next;
         }
         if nearest.doubt {
             return self.closest_exactly(question);
@@ -232,8 +229,8 @@ impl Wide {
     ) -> bool {
         let mut way = Way::new(simd, self, course);
         let end = course.range[1];
-        let Some(block) = way.next(simd, self, end) else { return false };
-        let meeting = self.blocks[block].test::<S, true>(simd, course, end);
+        let Some((block, enter)) = way.next(simd, self, end) else { return false };
+        let meeting = self.blocks[block].test::<S, true>(simd, course, enter, end);
         if meeting.sure != 0 {
             return true;
         }
@@ -242,7 +239,7 @@ impl Wide {
         }
         simd.vectorize(
             #[inline(always)]
-            || self.any_along(simd, question, course, way, block),
+            || self.any_along(simd, question, course, way, (block, enter)),
         )
     }
 
@@ -253,27 +250,27 @@ impl Wide {
         question: &Question<'_>,
         course: &Course,
         mut way: Way,
-        mut block: usize,
+        (mut block, mut enter): (usize, f32),
     ) -> bool {
         let end = course.range[1];
         // Blocks that may have a hit wait until it is known that no other has one for certain.
-        let mut unsure = ArrayVec::<u32, 16>::new();
+        let mut unsure = ArrayVec::<(usize, f32), 16>::new();
         loop {
-            let meeting = self.blocks[block].test::<S, true>(simd, course, end);
+            let meeting = self.blocks[block].test::<S, true>(simd, course, enter, end);
             if meeting.sure != 0 {
                 return true;
             }
             if meeting.may | meeting.tangent != 0
-                && unsure.try_push(block as u32).is_err()
-                && self.any_in(simd, question, course, block)
+                && unsure.try_push((block, enter)).is_err()
+                && self.any_in(simd, question, course, (block, enter))
             {
                 return true;
             }
             let Some(next) = way.next(simd, self, end) else { break };
-            block = next;
+            (block, enter) = next;
         }
         for block in unsure {
-            if self.any_in(simd, question, course, block as usize) {
+            if self.any_in(simd, question, course, block) {
                 return true;
             }
         }
@@ -287,9 +284,10 @@ impl Wide {
         simd: S,
         question: &Question<'_>,
         course: &Course,
-        block: usize,
+        (block, enter): (usize, f32),
     ) -> bool {
-        let meeting = self.blocks[block].test::<S, false>(simd, course, course.range[1]);
+        let end = course.range[1];
+        let meeting = self.blocks[block].test::<S, false>(simd, course, enter, end);
         let mut unknown = meeting.tangent;
         let mut spots = Spots::new(meeting);
         while let Some((lane, spot)) = spots.take() {
@@ -320,8 +318,8 @@ impl Wide {
         let mut widest = 0.0_f64;
         let end = course.range[1];
         let mut way = Way::new(simd, self, course);
-        while let Some(block) = way.next(simd, self, end) {
-            let meeting = self.blocks[block].test::<S, false>(simd, course, end);
+        while let Some((block, enter)) = way.next(simd, self, end) {
+            let meeting = self.blocks[block].test::<S, false>(simd, course, enter, end);
             if meeting.tangent != 0 {
                 return self.all_exactly(question, hits);
             }
@@ -361,10 +359,10 @@ impl Wide {
         let mut seen = Vec::new();
         let mut way = Way::new(simd, self, course);
         count.test();
-        while let Some(block) = way.next(simd, self, end) {
+        while let Some((block, enter)) = way.next(simd, self, end) {
             count.enter();
             count.test();
-            let meeting = self.blocks[block].test::<S, false>(simd, course, end);
+            let meeting = self.blocks[block].test::<S, false>(simd, course, enter, end);
             let mut lanes = meeting.tangent;
             let mut spots = Spots::new(meeting);
             loop {
@@ -387,18 +385,6 @@ impl Wide {
                 end = end.min(found);
             }
         }
-    }
-}
-
-/// Where things begin of which that is the least, as an f32 that may have been rounded up.
-#[inline(always)]
-pub(super) fn begin(least: f32) -> f64 {
-    if least > 0.0 {
-        f64::from(least) * (1.0 - f64::from(f32::EPSILON))
-    } else if least.is_nan() {
-        f64::INFINITY
-    } else {
-        f64::NEG_INFINITY
     }
 }
 

@@ -2,13 +2,12 @@
 
 use arrayvec::ArrayVec;
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, mask32x16};
+use fearless_simd::{Simd, f32x8};
 
 use super::Wide;
 use super::boxes::{Slabs, WIDTH};
 use super::course::Course;
 use super::order::{first, least};
-use super::search::begin;
 
 /// Levels of boxes above the lowest: 2^20 blocks.
 const LEVELS: usize = 4;
@@ -36,38 +35,38 @@ impl Way {
     #[inline(always)]
     pub(super) fn new<S: Simd>(simd: S, wide: &Wide, ray: &Course) -> Self {
         let slabs = Slabs::new(ray);
-        let above = ArrayVec::new();
-        let Some(top) = wide.levels.len().checked_sub(1) else {
-            // A single block.
-            let current = Vector { enter: [f32::NEG_INFINITY; WIDTH], waiting: 1, start: 0 };
-            return Self { slabs, level: 0, current, above };
-        };
-        let current = Vector::new(simd, wide, &slabs, top, 0, ray.range[1]);
-        Self { slabs, level: top, current, above }
+        let level = wide.levels.len() - 1;
+        let current = Vector::new(simd, wide, &slabs, level, 0, ray.range[1]);
+        Self { slabs, level, current, above: ArrayVec::new() }
     }
 
-    /// The next block that the ray may meet before `end`.
+    /// The next block that the ray may meet before `end`, and where it enters the box round it.
     #[inline(always)]
-    pub(super) fn next<S: Simd>(&mut self, simd: S, wide: &Wide, end: f64) -> Option<usize> {
+    pub(super) fn next<S: Simd>(
+        &mut self,
+        simd: S,
+        wide: &Wide,
+        end: f64,
+    ) -> Option<(usize, f32)> {
         loop {
-            let Some(box_) = self.current.next(simd, end) else {
+            let Some((number, enter)) = self.current.next(simd, end) else {
                 self.current = self.above.pop()?;
                 self.level += 1;
                 continue;
             };
             if self.level == 0 {
-                return Some(box_);
+                return Some((number, enter));
             }
             self.level -= 1;
-            let below = Vector::new(simd, wide, &self.slabs, self.level, box_, end);
+            let below = Vector::new(simd, wide, &self.slabs, self.level, number, end);
             // There are no more levels than there is room for.
             let _ = self.above.try_push(core::mem::replace(&mut self.current, below));
         }
     }
 
-    /// Where the ray enters what is left, at the earliest; if that is negative, minus infinity.
+    /// Where the ray enters what is left, at the earliest.
     #[inline(always)]
-    pub(super) fn least<S: Simd>(&self, simd: S) -> f64 {
+    pub(super) fn least<S: Simd>(&self, simd: S) -> f32 {
         let mut least = self.current.least(simd);
         for vector in &self.above {
             least = least.min(vector.least(simd));
@@ -75,12 +74,12 @@ impl Way {
         least
     }
 
-    /// Whether no block is left before `end`.
+    /// Whether nothing is left before `end`.
     #[inline(always)]
     pub(super) fn is_over<S: Simd>(&self, simd: S, end: f64) -> bool {
-        let mut waiting = self.current.waiting_before(simd, end).0;
+        let mut waiting = self.current.waiting_before(simd, end);
         for vector in &self.above {
-            waiting |= vector.waiting_before(simd, end).0;
+            waiting |= vector.waiting_before(simd, end);
         }
         waiting == 0
     }
@@ -96,37 +95,42 @@ impl Vector {
         index: usize,
         end: f64,
     ) -> Self {
-        let (waiting, enter) = wide.levels[level][index].test(simd, slabs, beyond(end));
-        let mut vector = Self { enter: [0.0; WIDTH], waiting, start: index * WIDTH };
-        enter.store_array(&mut vector.enter);
+        let mut vector = Self { enter: [0.0; WIDTH], waiting: 0, start: index * WIDTH };
+        let boxes = &wide.levels[level][index];
+        vector.waiting = boxes.test(simd, slabs, beyond(end), &mut vector.enter);
         vector
     }
 
-    /// Which boxes wait, and where the ray enters them.
     #[inline(always)]
-    fn waiting_before<S: Simd>(&self, simd: S, end: f64) -> (u32, f32x16<S>) {
-        let enter = f32x16::from_slice(simd, &self.enter);
-        let before = enter.simd_le(f32x16::splat(simd, beyond(end)));
-        (self.waiting & before.to_bitmask() as u32, enter)
+    fn enters<S: Simd>(&self, simd: S) -> [f32x8<S>; 2] {
+        let (first, second) = self.enter.split_at(WIDTH / 2);
+        [f32x8::from_slice(simd, first), f32x8::from_slice(simd, second)]
+    }
+
+    /// Which boxes wait that begin before `end`.
+    #[inline(always)]
+    fn waiting_before<S: Simd>(&self, simd: S, end: f64) -> u32 {
+        let end = f32x8::splat(simd, beyond(end));
+        let [first, second] = self.enters(simd);
+        let before = first.simd_le(end).to_bitmask() | second.simd_le(end).to_bitmask() << 8;
+        self.waiting & before as u32
     }
 
     #[inline(always)]
-    fn least<S: Simd>(&self, simd: S) -> f64 {
-        let enter = f32x16::from_slice(simd, &self.enter);
-        begin(least(simd, enter, mask32x16::from_bitmask(simd, u64::from(self.waiting))))
+    fn least<S: Simd>(&self, simd: S) -> f32 {
+        least(simd, self.enters(simd), self.waiting)
     }
 
     /// The nearest box that waits.
     #[inline(always)]
-    fn next<S: Simd>(&mut self, simd: S, end: f64) -> Option<usize> {
-        let (waiting, enter) = self.waiting_before(simd, end);
-        self.waiting = waiting;
-        if waiting == 0 {
+    fn next<S: Simd>(&mut self, simd: S, end: f64) -> Option<(usize, f32)> {
+        self.waiting = self.waiting_before(simd, end);
+        if self.waiting == 0 {
             return None;
         }
-        let lane = first(simd, enter, mask32x16::from_bitmask(simd, u64::from(waiting)));
-        self.waiting &= !(1 << lane);
-        Some(self.start + lane)
+        let number = first(simd, self.enters(simd), self.waiting);
+        self.waiting &= !(1 << number);
+        Some((self.start + number, self.enter[number]))
     }
 }
 
