@@ -41,8 +41,21 @@ struct Lot {
     length2: Column,
     range: [Column; 2],
     far: Column,
+    entries: [Entry; LOT],
+    /// How many entries there are.
+    found: usize,
     /// Those that have to be answered one by one.
     single: Vec<u32>,
+}
+
+/// Where a ray enters its nearest block, and the one after that.
+#[derive(Clone, Copy)]
+struct Entry {
+    /// The ray, as numbered in the lot.
+    ray: u32,
+    block: u32,
+    enter: f32,
+    next: f32,
 }
 
 /// A place to look for a hit.
@@ -97,9 +110,8 @@ impl Wide {
                 lot.approach(simd, self, frame, rays, next);
                 next += WIDTH;
             }
-            for i in 0..lot.len {
-                self.look(simd, &mut lot, i, &mut tasks);
-            }
+            self.enter_blocks(simd, &mut lot);
+            self.find_spots(simd, &mut lot, &mut tasks);
             for some in tasks.chunks(WIDTH) {
                 self.solve(simd, &mut lot, some, hits);
             }
@@ -157,27 +169,43 @@ impl Wide {
         }
     }
 
-    /// Finds the nearest spot in the nearest block of a ray.
+    /// Finds the nearest block of each ray.
     #[inline(always)]
-    fn look<S: Simd>(&self, simd: S, lot: &mut Lot, i: usize, tasks: &mut Vec<Task>) {
-        let course = lot.course(i);
-        let end = course.range[1];
-        let mut way = Way::new(simd, self, &course);
-        let Some((block, enter)) = way.next(simd, self, end) else { return };
-        let meeting = self.blocks[block].test::<S, false>(simd, &course, enter, end);
-        let over = way.is_over(simd, end);
-        if meeting.may == 0 && meeting.tangent == 0 && over {
-            return;
+    fn enter_blocks<S: Simd>(&self, simd: S, lot: &mut Lot) {
+        let mut found = 0;
+        for i in 0..lot.len {
+            let course = lot.course(i);
+            let mut way = Way::new(simd, self, &course);
+            let Some((block, enter)) = way.next(simd, self, course.range[1]) else { continue };
+            let next = way.least(simd);
+            lot.entries[found] = Entry { ray: i as u32, block: block as u32, enter, next };
+            found += 1;
         }
-        if meeting.may == 0 || meeting.tangent != 0 {
-            lot.single.push(lot.ray[i]);
-            return;
+        lot.found = found;
+    }
+
+    /// Finds the nearest spot in the block of each ray.
+    #[inline(always)]
+    fn find_spots<S: Simd>(&self, simd: S, lot: &mut Lot, tasks: &mut Vec<Task>) {
+        for k in 0..lot.found {
+            let Entry { ray, block, enter, next } = lot.entries[k];
+            let course = lot.course(ray as usize);
+            let end = course.range[1];
+            let block = block as usize;
+            let meeting = self.blocks[block].test::<S, false>(simd, &course, enter, end);
+            if meeting.may == 0 && meeting.tangent == 0 && !(f64::from(next) <= end) {
+                continue;
+            }
+            if meeting.may == 0 || meeting.tangent != 0 {
+                lot.single.push(lot.ray[ray as usize]);
+                continue;
+            }
+            let mut spots = Spots::new(meeting);
+            let (lane, spot) = spots.first(simd);
+            let next = spots.least(simd).min(f64::from(next));
+            let leaf = (block * LANES + lane) as u32;
+            tasks.push(Task { ray, leaf, spot, next });
         }
-        let mut spots = Spots::new(meeting);
-        let (lane, spot) = spots.first(simd);
-        let next = spots.least(simd).min(f64::from(way.least(simd)));
-        let leaf = (block * LANES + lane) as u32;
-        tasks.push(Task { ray: i as u32, leaf, spot, next });
     }
 
     /// Finds up to eight hits.
@@ -212,6 +240,8 @@ impl Lot {
             length2: column,
             range: [column; 2],
             far: column,
+            entries: [Entry { ray: 0, block: 0, enter: 0.0, next: 0.0 }; LOT],
+            found: 0,
             single: Vec::with_capacity(LOT),
         }
     }

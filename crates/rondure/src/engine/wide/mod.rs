@@ -207,9 +207,9 @@ mod timing {
             let t = Vec3::new(number() * 0.6 - 0.3, number() * 0.6 - 0.3, number());
             Ray::new(o, t - o)
         }).collect();
-        for stage in [0, 5, 1, 2, 3, 4] {
+        for stage in std::env::var("STAGES").map_or(vec![0, 5, 1, 2, 3, 4], |s| s.split(',').map(|s| s.parse().unwrap()).collect()) {
             let mut best = f64::INFINITY;
-            for _ in 0..9 {
+            for _ in 0..std::env::var("REP").map_or(9, |r| r.parse().unwrap()) {
                 let start = ThreadTime::now();
                 dispatch!(wide.level, simd => {
                     let mut sum = 0.0;
