@@ -19,7 +19,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
-use super::boxes::Extent;
+use super::boxes::{Extent, PADDING};
 use super::course::Course;
 use super::quadric::Quadric;
 
@@ -105,10 +105,10 @@ impl Block {
         let [z, w] = self.corner;
         let gamma = q.gamma + q.alpha * w;
         let (a, b, c, p) = (q.alpha.abs(), q.beta.abs(), gamma.abs(), q.p.abs());
-        // The ray's origin and all hits lie in the box, with some room for rounding.
-        let height = 1.01 * (extent.z[1] - extent.z[0]);
-        let depth = 1.01 * (extent.w[1] - extent.w[0]);
-        let width = 1.01 * extent.w[1];
+        // The ray's origin and all hits lie in the box, which is padded.
+        let height = (extent.z[1] - extent.z[0]) + 2.0 * PADDING[0];
+        let depth = (extent.w[1] - extent.w[0]) + 2.0 * PADDING[1];
+        let width = extent.w[1] + PADDING[1];
         let diameter = (4.0 * width + height * height).sqrt();
         // No terms of U tau^2 + 2 V tau + W are larger than these, with |zeta| <= height and
         // |b tau| <= 2 width, and fewer than 12 roundings go into each, those of the ray among them.
@@ -194,19 +194,19 @@ impl Block {
         let at_far = l2.mul_add(far, l1).mul_add(far, l0);
         // Another point of the quadric with the same lambda has another height.
         let height = dz.abs().mul_add(blur, load(simd, &self.height));
-        let near_height = dz.mul_add(near, zeta).abs().simd_le(height);
-        let far_height = dz.mul_add(far, zeta).abs().simd_le(height);
+        let near_height = dz.mul_add(near, zeta).abs();
+        let far_height = dz.mul_add(far, zeta).abs();
         let (start, end) = (splat(simd, start), splat(simd, end));
         let near_ends = [near - blur, near + blur];
         let far_ends = [far - blur, far + blur];
         let may = [
             steep
-                & near_height
+                & near_height.simd_le(height)
                 & at_near.abs().simd_le(room)
                 & near_ends[1].simd_ge(start)
                 & near_ends[0].simd_le(end),
             steep
-                & far_height
+                & far_height.simd_le(height)
                 & at_far.abs().simd_le(room)
                 & far_ends[1].simd_ge(start)
                 & far_ends[0].simd_le(end),
@@ -214,11 +214,14 @@ impl Block {
         let mut sure = 0;
         if SURE {
             let room = one + one - room;
+            let height = (dz.abs() * blur).mul_add(splat(simd, -2.0), height);
             let first = may[0]
+                & near_height.simd_le(height)
                 & at_near.abs().simd_le(room)
                 & near_ends[0].simd_ge(start)
                 & near_ends[1].simd_le(end);
             let second = may[1]
+                & far_height.simd_le(height)
                 & at_far.abs().simd_le(room)
                 & far_ends[0].simd_ge(start)
                 & far_ends[1].simd_le(end);

@@ -16,7 +16,7 @@ const HALF: usize = 8;
 
 /// Padding of z, and of w: neither origins nor boxes are farther away than NEAR, and the roundings of the
 /// tests below are fewer than 16, of numbers no larger than that, or than its square.
-const PADDING: [f64; 2] = {
+pub(super) const PADDING: [f64; 2] = {
     let roundoff = 0.5 * f32::EPSILON as f64;
     [16.0 * roundoff * NEAR, 16.0 * roundoff * NEAR * NEAR * 2.0]
 };

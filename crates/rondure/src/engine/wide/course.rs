@@ -155,5 +155,6 @@ pub(super) fn passes(ray: &Ray, outline: &Outline) -> bool {
     // From farther away rounding could say so.
     let far = FAR / outline.unit;
     let near = o.x.abs() <= far && o.y.abs() <= far;
-    near && k * k > (d.x * d.x + d.y * d.y) * outline.reach2
+    // Squares of tiny numbers vanish.
+    near && k * k > (d.x * d.x + d.y * d.y) * outline.reach2 + f64::MIN_POSITIVE
 }

@@ -168,7 +168,8 @@ impl Quadric {
         let [start, end] = [curve.point(s0), curve.point(s1)];
         let at = |u: f64| curve.point(valid[0] + u * (valid[1] - valid[0]));
         let middle = at(0.5);
-        let z = middle[1];
+        // Between the ends, so that |zeta| is no larger than it must be.
+        let z = 0.5 * (start[1] + end[1]);
         let r_max = start[0].max(end[0]);
         let lambda = lambda(start, end, z);
         let parts: Vec<_> = (0..PARTS)
@@ -192,8 +193,9 @@ impl Quadric {
             valid,
             guess,
         };
-        for [alpha, beta, p] in [through_three(at, middle), through_two(at)] {
-            let gradient = beta.hypot(2.0 * middle[0] * alpha);
+        for [alpha, beta, p] in [through_three(at, middle, z), through_two(at)] {
+            let slope = beta + 2.0 * (p * (middle[1] - z));
+            let gradient = slope.hypot(2.0 * middle[0] * alpha);
             let scale = 1.0 / gradient;
             let own = Self { alpha: alpha * scale, beta: beta * scale, p: p * scale, ..best };
             let bounded = own.bounded(&parts, middle);
@@ -207,8 +209,8 @@ impl Quadric {
 
     /// The same with gamma in the middle, and with its bounds.
     fn bounded(mut self, parts: &[Monomials], middle: [f64; 2]) -> Self {
-        let w = middle[0] * middle[0];
-        self.gamma = -self.alpha * w;
+        let (w, zeta) = (middle[0] * middle[0], middle[1] - self.z);
+        self.gamma = -(self.alpha * w + zeta * (self.beta + self.p * zeta));
         let coefficients = |own: &Self| [own.alpha, own.beta, own.gamma, own.p];
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for part in parts {
@@ -267,13 +269,13 @@ fn lambda([r0, z0]: [f64; 2], [r1, z1]: [f64; 2], z: f64) -> [f64; 3] {
 }
 
 /// alpha, beta and p of the quadric through the middle and two more points.
-fn through_three(at: impl Fn(f64) -> [f64; 2], middle: [f64; 2]) -> [f64; 3] {
+fn through_three(at: impl Fn(f64) -> [f64; 2], middle: [f64; 2], z: f64) -> [f64; 3] {
     // The places of Chebyshev's nodes.
     let away = 0.25 * 3.0_f64.sqrt();
     let row = |u: f64| {
-        let [r, z] = at(u);
-        let (dr, zeta) = (r - middle[0], z - middle[1]);
-        [dr * (r + middle[0]), zeta, zeta * zeta]
+        let [r, own] = at(u);
+        let (dr, dz) = (r - middle[0], own - middle[1]);
+        [dr * (r + middle[0]), dz, dz * ((own - z) + (middle[1] - z))]
     };
     let ([a0, a1, a2], [b0, b1, b2]) = (row(0.5 - away), row(0.5 + away));
     [a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0]
