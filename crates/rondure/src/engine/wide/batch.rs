@@ -2,10 +2,11 @@
 //! rays, so that the processor never waits for the one ray at hand.
 //!
 //! ```text
-//! approach, 8 rays at a time -> boxes and blocks, each ray -> Newton's steps, 8 spots at a time
+//! approach, 8 rays at a time -> boxes, each ray -> blocks, each ray -> Newton's steps, 8 spots at a time
 //! ```
 //!
-//! The few rays that need more than the nearest spot of the nearest block start again, each for itself.
+//! Rays whose nearest block has no spot go another round. The few that need more than the nearest spot of
+//! a block are answered one by one.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, dispatch, f64x8, mask64x8};
@@ -14,18 +15,16 @@ use super::Wide;
 use super::arithmetic::Best;
 use super::block::LANES;
 use super::course::{Course, LONGEST, NEAR, SHORTEST};
-use super::leaf::{Finding, Spot};
+use super::leaf::{Eight, Finding, Spot, WIDTH};
 use super::search::{Question, Spots};
 use super::walk::Way;
+use crate::Vec3;
 use crate::batch::{Hits, Rays};
 use crate::frame::Frame;
 use crate::piece::Piece;
-use crate::Vec3;
 
 /// How many rays are under way: few enough for their data to stay in the first cache.
-const LOT: usize = 64;
-/// How many numbers an f64 vector has.
-const WIDTH: usize = 8;
+const LOT: usize = 32;
 
 /// A column of numbers, with room for a whole vector behind the last.
 type Column = [f64; LOT + WIDTH];
@@ -41,9 +40,10 @@ struct Lot {
     length2: Column,
     range: [Column; 2],
     far: Column,
-    entries: [Entry; LOT],
-    /// How many entries there are.
-    found: usize,
+    /// Those that are still looking for a block with a spot, as numbered in the lot, and their ways.
+    seeking: Vec<(u32, Way)>,
+    entries: Vec<Entry>,
+    tasks: Vec<Task>,
     /// Those that have to be answered one by one.
     single: Vec<u32>,
 }
@@ -51,8 +51,8 @@ struct Lot {
 /// Where a ray enters its nearest block, and the one after that.
 #[derive(Clone, Copy)]
 struct Entry {
-    /// The ray, as numbered in the lot.
-    ray: u32,
+    /// The place of the ray among those that are seeking.
+    place: u32,
     block: u32,
     enter: f32,
     next: f32,
@@ -101,20 +101,22 @@ impl Wide {
         hits: &mut Hits,
     ) {
         let mut lot = Lot::new();
-        let mut tasks = Vec::with_capacity(LOT);
         let mut next = 0;
         while next < rays.len() {
             lot.clear();
-            tasks.clear();
             while next < rays.len() && lot.len + WIDTH <= LOT {
                 lot.approach(simd, self, frame, rays, next);
                 next += WIDTH;
             }
-            self.enter_blocks(simd, &mut lot);
-            self.find_spots(simd, &mut lot, &mut tasks);
-            for some in tasks.chunks(WIDTH) {
-                self.solve(simd, &mut lot, some, hits);
+            for i in 0..lot.len {
+                let way = Way::new(simd, self, &lot.course(i));
+                lot.seeking.push((i as u32, way));
             }
+            while !lot.seeking.is_empty() {
+                self.enter_blocks(simd, &mut lot);
+                self.find_spots(simd, &mut lot);
+            }
+            self.find_hits(simd, &mut lot, hits);
             for &ray in &lot.single {
                 let index = ray as usize;
                 let question = Question { pieces, frame, ray: &rays.get(index) };
@@ -169,60 +171,107 @@ impl Wide {
         }
     }
 
-    /// Finds the nearest block of each ray.
+    /// Finds the next block of each ray.
     #[inline(always)]
     fn enter_blocks<S: Simd>(&self, simd: S, lot: &mut Lot) {
-        let mut found = 0;
-        for i in 0..lot.len {
-            let course = lot.course(i);
-            let mut way = Way::new(simd, self, &course);
-            let Some((block, enter)) = way.next(simd, self, course.range[1]) else { continue };
+        lot.entries.clear();
+        for (place, (ray, way)) in lot.seeking.iter_mut().enumerate() {
+            let end = lot.range[1][*ray as usize];
+            let Some((block, enter)) = way.next(simd, self, end) else { continue };
             let next = way.least(simd);
-            lot.entries[found] = Entry { ray: i as u32, block: block as u32, enter, next };
-            found += 1;
+            lot.entries.push(Entry { place: place as u32, block: block as u32, enter, next });
         }
-        lot.found = found;
     }
 
-    /// Finds the nearest spot in the block of each ray.
+    /// Finds the nearest spot in the block of each ray; those that have none go on seeking.
     #[inline(always)]
-    fn find_spots<S: Simd>(&self, simd: S, lot: &mut Lot, tasks: &mut Vec<Task>) {
-        for k in 0..lot.found {
-            let Entry { ray, block, enter, next } = lot.entries[k];
+    fn find_spots<S: Simd>(&self, simd: S, lot: &mut Lot) {
+        let mut still = 0;
+        for k in 0..lot.entries.len() {
+            let Entry { place, block, enter, next } = lot.entries[k];
+            let (place, block) = (place as usize, block as usize);
+            let ray = lot.seeking[place].0;
             let course = lot.course(ray as usize);
             let end = course.range[1];
-            let block = block as usize;
             let meeting = self.blocks[block].test::<S, false>(simd, &course, enter, end);
-            if meeting.may == 0 && meeting.tangent == 0 && !(f64::from(next) <= end) {
+            if meeting.tangent != 0 {
+                lot.single.push(lot.ray[ray as usize]);
                 continue;
             }
-            if meeting.may == 0 || meeting.tangent != 0 {
-                lot.single.push(lot.ray[ray as usize]);
+            if meeting.may == 0 {
+                // Entries are in the order of places.
+                if f64::from(next) <= end {
+                    lot.seeking.swap(still, place);
+                    still += 1;
+                }
                 continue;
             }
             let mut spots = Spots::new(meeting);
             let (lane, spot) = spots.first(simd);
             let next = spots.least(simd).min(f64::from(next));
-            let leaf = (block * LANES + lane) as u32;
-            tasks.push(Task { ray, leaf, spot, next });
+            lot.tasks.push(Task { ray, leaf: (block * LANES + lane) as u32, spot, next });
         }
+        lot.seeking.truncate(still);
     }
 
-    /// Finds up to eight hits.
+    /// Finds the hits at all spots.
     #[inline(always)]
-    fn solve<S: Simd>(&self, simd: S, lot: &mut Lot, tasks: &[Task], hits: &mut Hits) {
-        for task in tasks {
-            let i = task.ray as usize;
-            let course = lot.course(i);
-            let leaf = &self.leaves[task.leaf as usize];
-            match leaf.hit(Best(simd), &self.curves, &course, task.spot) {
-                Finding::Hit { tau, s, .. } if tau < task.next => {
-                    let index = lot.ray[i] as usize;
-                    hits.t[index] = tau;
+    fn find_hits<S: Simd>(&self, simd: S, lot: &mut Lot, hits: &mut Hits) {
+        for tasks in lot.tasks.chunks(WIDTH) {
+            let mut eight = Eight::EMPTY;
+            let mut all = tasks.len() == WIDTH;
+            for (i, task) in tasks.iter().enumerate() {
+                let leaf = &self.leaves[task.leaf as usize];
+                all &= !leaf.is_conic();
+                let ray = task.ray as usize;
+                eight.curves[i] = self.curves[leaf.piece() as usize].powers();
+                eight.rays[i] = [
+                    lot.origin[0][ray],
+                    lot.origin[1][ray],
+                    lot.origin[2][ray],
+                    lot.direction[0][ray],
+                    lot.direction[1][ray],
+                    lot.direction[2][ray],
+                    lot.length2[ray],
+                    lot.far[ray],
+                ];
+                let [low, high] = leaf.valid();
+                eight.spots[i] = [
+                    leaf.guess(Best(simd), task.spot.lambda),
+                    task.spot.tau,
+                    task.spot.blur,
+                    lot.range[0][ray],
+                    lot.range[1][ray].min(task.next),
+                    low,
+                    high,
+                    0.0,
+                ];
+            }
+            // Conics, and the last few, one by one.
+            let found = if all { eight.hits(simd) } else { 0 };
+            for (i, task) in tasks.iter().enumerate() {
+                let ray = task.ray as usize;
+                let leaf = &self.leaves[task.leaf as usize];
+                let index = lot.ray[ray] as usize;
+                if found & 1 << i != 0 {
+                    hits.t[index] = eight.found[1][i];
                     hits.piece[index] = leaf.piece();
-                    hits.s[index] = s;
+                    hits.s[index] = eight.found[0][i];
+                    continue;
                 }
-                _ => lot.single.push(lot.ray[i]),
+                if !all {
+                    let course = lot.course(ray);
+                    let finding = leaf.hit(Best(simd), &self.curves, &course, task.spot);
+                    if let Finding::Hit { tau, s, .. } = finding
+                        && tau < task.next
+                    {
+                        hits.t[index] = tau;
+                        hits.piece[index] = leaf.piece();
+                        hits.s[index] = s;
+                        continue;
+                    }
+                }
+                lot.single.push(lot.ray[ray]);
             }
         }
     }
@@ -240,14 +289,17 @@ impl Lot {
             length2: column,
             range: [column; 2],
             far: column,
-            entries: [Entry { ray: 0, block: 0, enter: 0.0, next: 0.0 }; LOT],
-            found: 0,
+            seeking: Vec::with_capacity(LOT),
+            entries: Vec::with_capacity(LOT),
+            tasks: Vec::with_capacity(LOT),
             single: Vec::with_capacity(LOT),
         }
     }
 
     fn clear(&mut self) {
         self.len = 0;
+        self.seeking.clear();
+        self.tasks.clear();
         self.single.clear();
     }
 
