@@ -15,7 +15,7 @@ use std::sync::{
 };
 use std::thread;
 
-use rondure::{EngineOptions, Hit, Method, Ray, Surface, engine::Instructions};
+use rondure::{EngineOptions, Hit, Hits, Method, Ray, Rays, Surface, engine::Instructions};
 
 pub use count::{Count, Failure};
 pub use judge::{Answers, Judge, SAME};
@@ -53,6 +53,55 @@ impl Contender for Surface {
     }
 }
 
+/// A surface that is asked about many rays at once where that can be.
+struct Batches(Surface);
+
+/// The columns of some rays: origins, directions and ranges.
+#[derive(Default)]
+struct Columns([Vec<f64>; 8]);
+
+impl Columns {
+    fn new(rays: &[Ray]) -> Self {
+        let column = |of: fn(&Ray) -> f64| rays.iter().map(of).collect();
+        Self([
+            column(|ray| ray.origin.x),
+            column(|ray| ray.origin.y),
+            column(|ray| ray.origin.z),
+            column(|ray| ray.direction.x),
+            column(|ray| ray.direction.y),
+            column(|ray| ray.direction.z),
+            column(|ray| ray.t_min),
+            column(|ray| ray.t_max),
+        ])
+    }
+
+    fn rays(&self) -> Option<Rays<'_>> {
+        let [ox, oy, oz, dx, dy, dz, t_min, t_max] = &self.0;
+        Rays::new([ox, oy, oz], [dx, dy, dz], t_min, t_max)
+    }
+}
+
+impl Contender for Batches {
+    fn closest(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
+        hits.clear();
+        let mut found = Hits::default();
+        if let Some(rays) = Columns::new(rays).rays() {
+            self.0.closest_of_many(&rays, &mut found);
+        }
+        hits.extend((0..rays.len()).map(|i| found.get(i)));
+    }
+    fn any(&self, rays: &[Ray], found: &mut Vec<bool>) {
+        found.clear();
+        found.resize(rays.len(), false);
+        if let Some(rays) = Columns::new(rays).rays() {
+            self.0.any_of_many(&rays, found);
+        }
+    }
+    fn all(&self, ray: &Ray, hits: &mut Vec<Hit>) {
+        self.0.all(ray, hits);
+    }
+}
+
 /// A contender with its name in tables.
 pub struct Entrant {
     /// Without spaces.
@@ -61,16 +110,23 @@ pub struct Entrant {
     pub contender: Box<dyn Contender>,
 }
 
-/// The wide engine with each of some instruction sets, as far as the machine has them.
+/// The wide engine with each of some instruction sets, as far as the machine has them: asked ray by ray, and in
+/// batches.
 pub fn wide(shape: &Shape, instructions: &[Instructions]) -> Vec<Entrant> {
     let available = instructions.iter().filter(|i| i.are_available());
     available
-        .map(|&instructions| {
+        .flat_map(|&instructions| {
             let options =
                 EngineOptions { method: Method::Wide, instructions, ..EngineOptions::default() };
-            let name = Instructions::ALL.iter().find(|(i, _)| *i == instructions);
             let surface = Surface::with_engine(&shape.profile, &options);
-            Entrant { name: name.map_or("", |(_, name)| name), contender: Box::new(surface) }
+            let [single, batches] = match instructions {
+                Instructions::Auto => ["auto", "auto-many"],
+                Instructions::Portable => ["portable", "portable-many"],
+                Instructions::Avx2 => ["avx2", "avx2-many"],
+                Instructions::Avx512 => ["avx512", "avx512-many"],
+            };
+            let many = Entrant { name: batches, contender: Box::new(Batches(surface.clone())) };
+            [Entrant { name: single, contender: Box::new(surface) }, many]
         })
         .collect()
 }
