@@ -10,9 +10,9 @@ use crate::piece::Piece;
 use crate::profile::Point;
 use crate::{Affine, Bounds, Vec3};
 
-/// Into how many parts a curved piece is cut, as a power of two: the control points of an eighth of
-/// a quarter circle lie within 0.2 % of it.
-const HALVINGS: u32 = 3;
+/// Into how many parts a curved piece is cut, as a power of two: the control points of a sixteenth of
+/// a quarter circle lie within 0.04 % of it.
+const HALVINGS: u32 = 4;
 
 /// The right part of the convex hull of a profile, upwards.
 #[derive(Clone, Debug)]
