@@ -2,8 +2,8 @@
 //! with shadows, highlights, reflection and refraction.
 //!
 //! [`render()`] takes the scene; [`Picture::write_png`] writes what comes out. The light goes this
-//! way: `sampler`, `filter` and `camera` make a ray; `world` finds what it meets, through `things` and
-//! `shape`; `integrator` adds up the light there from `light` by the laws of `finish`, `coat` and
+//! way: `sampler`, `filter` and `camera` make a ray; `world` finds what it meets, through `things`,
+//! `bodies` and `shape`; `integrator` adds up the light there from `light` by the laws of `finish`, `coat` and
 //! `fresnel`; `render` gathers the samples, and `tone` and `picture` make a file of them.
 
 #![allow(
@@ -11,6 +11,7 @@
     reason = "`!(a > b)` counts a NaN as no, which is what the numbers of rays need"
 )]
 
+mod bodies;
 mod camera;
 mod coat;
 mod color;

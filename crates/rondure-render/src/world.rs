@@ -1,15 +1,20 @@
 //! The world that rays see: things behind trees of boxes, lights and sky.
 //!
-//! Two trees: one over what blocks light, one over what lets it pass, clear glass and lamps.
+//! Two trees: one over what blocks light, one over what lets it pass, clear glass and lamps. Bodies,
+//! which may be of several materials, have a third.
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use rondure::{Bounds, Bvh, Hit, Interaction, Ray};
-use rondure_scene::{Light, Object, Scene, Shape as Described};
+use rondure::{
+    Bounds, Bvh, Hit, Interaction, Ray, Surface,
+    solid::{Csg, CsgError},
+};
+use rondure_scene::{Cut, Light, Object, Scene, Section, Shape as Described};
 
 use crate::{
     RenderError,
+    bodies::{self, Bodies, Knife, Left, Place},
     color::Rgb,
     finish::Finish,
     fresnel,
@@ -30,8 +35,17 @@ pub(crate) enum Role {
 /// Where a ray meets the world.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Contact {
+    /// The number of the thing, or behind all things that of the body.
     pub(crate) thing: u32,
-    pub(crate) hit: Hit,
+    pub(crate) t: f64,
+    on: On,
+}
+
+/// What a contact is on.
+#[derive(Clone, Copy, Debug)]
+enum On {
+    Thing(Hit),
+    Body(Place),
 }
 
 /// Everything that rays ask about a scene.
@@ -50,6 +64,7 @@ pub(crate) struct World {
     pub(crate) brightest: f64,
     blocking: Bvh,
     passing: Bvh,
+    bodies: Option<Bodies>,
     has_glass: bool,
 }
 
@@ -58,43 +73,125 @@ pub(crate) struct World {
 struct Builder {
     things: Things,
     /// The numbers of the surfaces that are known.
-    surfaces: HashMap<*const rondure::Surface, u32>,
+    surfaces: HashMap<*const Surface, u32>,
     turned_roles: Vec<u32>,
     simple_roles: Vec<u32>,
+    bodies: bodies::Builder,
 }
 
 impl Builder {
-    fn add(&mut self, object: &Object, role: u32) -> Result<(), RenderError> {
-        let Described::Turned(instance) = &object.shape else {
-            for shape in object.shapes().flatten() {
-                let shape = match shape {
-                    Described::Turned(_) => continue,
-                    Described::Plane { point, normal } => Shape::Plane(Plane::new(point, normal)),
-                    Described::Disk { center, normal, radius } => {
-                        Shape::Disk(Disk::new(center, normal, radius))
-                    }
-                    Described::Rectangle { center, edges } => {
-                        Shape::Rectangle(Rectangle::new(center, edges))
-                    }
-                    Described::Sphere { center, radius } => {
-                        Shape::Sphere(Sphere::new(center, radius))
-                    }
-                };
-                self.add_simple(shape, role);
-            }
-            return Ok(());
+    /// Adds an object, the `role`-th of the scene.
+    fn add(&mut self, object: &Object, role: u32, section: &[Section]) -> Result<(), RenderError> {
+        let knife = match object.section {
+            Cut::Open { material } => Knife::new(section, material.map(|m| m as u32)),
+            Cut::Whole => None,
         };
-        let turned = &mut self.things.turned;
-        let surface = instance.surface();
-        let known = self.surfaces.entry(Arc::as_ptr(surface));
-        let shape = *known.or_insert_with(|| turned.add_shape(Arc::clone(surface)));
-        for motion in object.motions() {
-            turned
-                .place(shape, motion.map.after(instance.placement()))
-                .map_err(|source| RenderError::Placement { object: object.name.clone(), source })?;
+        if let (Described::Turned(instance), None) = (&object.shape, &knife) {
+            let shape = self.shape(instance.surface());
+            let turned = &mut self.things.turned;
+            for motion in object.motions() {
+                let placed = turned.place(shape, motion.map.after(instance.placement()));
+                placed.map_err(|source| placement_error(object, source))?;
+            }
+            self.turned_roles.resize(turned.len(), role);
+            return Ok(());
         }
-        self.turned_roles.resize(turned.len(), role);
+        for shape in object.shapes().flatten() {
+            self.add_shape(&shape, object, role, knife.as_ref())?;
+        }
         Ok(())
+    }
+
+    /// Adds one copy of an object, or what the knife leaves of it.
+    fn add_shape(
+        &mut self,
+        shape: &Described,
+        object: &Object,
+        role: u32,
+        knife: Option<&Knife<'_>>,
+    ) -> Result<(), RenderError> {
+        let finish = object.material as u32;
+        let left = |bounds: &Bounds| knife.map_or(Left::All, |knife| knife.of(bounds));
+        let added = match shape {
+            Described::Turned(instance) => match (left(&instance.bounds()), knife) {
+                (Left::Nothing, _) => Ok(()),
+                (Left::Part, Some(knife)) => match self.bodies.solid(instance.surface()) {
+                    Some(solid) => {
+                        let csg = Csg::turned(solid).placed(instance.placement());
+                        self.bodies.add_solid(csg, vec![None], finish, Some(knife))
+                    }
+                    None => {
+                        self.bodies.add_turned_sheet(instance.clone(), None, finish, Some(knife))
+                    }
+                },
+                _ => {
+                    let number = self.shape(instance.surface());
+                    let placed = self.things.turned.place(number, *instance.placement());
+                    placed.map_err(|source| placement_error(object, source))?;
+                    self.turned_roles.push(role);
+                    Ok(())
+                }
+            },
+            Described::Swept { instance, sweep } => {
+                let knife = match left(&instance.bounds()) {
+                    Left::Nothing => return Ok(()),
+                    Left::All => None,
+                    Left::Part => knife,
+                };
+                self.bodies.add_turned_sheet(instance.clone(), Some(sweep), finish, knife)
+            }
+            Described::Body(body) => {
+                let finishes = body.materials.iter().map(|m| m.map(|m| m as u32)).collect();
+                self.bodies.add_solid(body.placed(), finishes, finish, knife)
+            }
+            &Described::Sphere { center, radius } => {
+                let sphere = Shape::Sphere(Sphere::new(center, radius));
+                match (left(&sphere.bounds()), knife) {
+                    (Left::Nothing, _) => Ok(()),
+                    (Left::Part, Some(knife)) => {
+                        let csg = Csg::sphere(center, radius);
+                        self.bodies.add_solid(csg, vec![None], finish, Some(knife))
+                    }
+                    _ => {
+                        self.add_simple(sphere, role);
+                        Ok(())
+                    }
+                }
+            }
+            &Described::Plane { point, normal } => {
+                self.add_flat(Shape::Plane(Plane::new(point, normal)), finish, role, knife)
+            }
+            &Described::Disk { center, normal, radius } => {
+                self.add_flat(Shape::Disk(Disk::new(center, normal, radius)), finish, role, knife)
+            }
+            &Described::Rectangle { center, edges } => {
+                self.add_flat(Shape::Rectangle(Rectangle::new(center, edges)), finish, role, knife)
+            }
+        };
+        added.map_err(|source| RenderError::Solid { object: object.name.clone(), source })
+    }
+
+    fn add_flat(
+        &mut self,
+        shape: Shape,
+        finish: u32,
+        role: u32,
+        knife: Option<&Knife<'_>>,
+    ) -> Result<(), CsgError> {
+        match knife.map(|knife| (knife, knife.of(&shape.bounds()))) {
+            Some((_, Left::Nothing)) => Ok(()),
+            Some((knife, Left::Part)) => self.bodies.add_simple_sheet(shape, finish, knife),
+            Some((_, Left::All)) | None => {
+                self.add_simple(shape, role);
+                Ok(())
+            }
+        }
+    }
+
+    /// The number of a turned surface.
+    fn shape(&mut self, surface: &Arc<Surface>) -> u32 {
+        let known = self.surfaces.entry(Arc::as_ptr(surface));
+        *known.or_insert_with(|| self.things.turned.add_shape(Arc::clone(surface)))
     }
 
     /// Makes room for so many turned things.
@@ -110,6 +207,10 @@ impl Builder {
     }
 }
 
+fn placement_error(object: &Object, source: rondure::PlaceError) -> RenderError {
+    RenderError::Placement { object: object.name.clone(), source }
+}
+
 impl World {
     pub(crate) fn new(scene: &Scene) -> Result<Self, RenderError> {
         let mut builder = Builder::default();
@@ -117,14 +218,17 @@ impl World {
         let count = turned.map(|o| o.copies.count()).fold(0, u64::saturating_add);
         builder.reserve(count).ok_or(RenderError::OutOfMemory { count })?;
         for (object, role) in scene.objects.iter().zip(0..) {
-            if object.material >= scene.materials.len() {
-                return Err(RenderError::NoSuchMaterial {
-                    object: object.name.clone(),
-                    material: object.material,
-                    materials: scene.materials.len(),
-                });
+            for material in materials(object).chain(scene.section.iter().filter_map(|s| s.material))
+            {
+                if material >= scene.materials.len() {
+                    return Err(RenderError::NoSuchMaterial {
+                        object: object.name.clone(),
+                        material,
+                        materials: scene.materials.len(),
+                    });
+                }
             }
-            builder.add(object, role)?;
+            builder.add(object, role, &scene.section)?;
         }
         for (light, role) in scene.lights.iter().zip(scene.objects.len() as u32..) {
             let shape = match *light {
@@ -136,16 +240,17 @@ impl World {
             };
             builder.add_simple(shape, role);
         }
-        let Builder { things, turned_roles: mut role_of, simple_roles, .. } = builder;
+        let Builder { things, turned_roles: mut role_of, simple_roles, bodies, .. } = builder;
         role_of.extend(simple_roles);
         let finishes: Vec<_> = scene.materials.iter().map(Finish::new).collect();
+        let bodies = bodies.build(&finishes)?;
         let mut roles: Vec<_> = scene
             .objects
             .iter()
             .map(|object| Role::Surface { finish: object.material as u32, solid: false })
             .collect();
         roles.extend((0..scene.lights.len() as u32).map(Role::Lamp));
-        let mut has_glass = false;
+        let mut has_glass = bodies.as_ref().is_some_and(Bodies::has_clear);
         for (thing, &role) in (0..).zip(&role_of) {
             if let Role::Surface { finish, solid } = &mut roles[role as usize] {
                 *solid = things.is_solid(thing);
@@ -180,13 +285,31 @@ impl World {
             brightest: brightest.max(white),
             blocking,
             passing,
+            bodies,
             has_glass,
         })
     }
 
     #[inline]
-    pub(crate) fn role(&self, thing: u32) -> Role {
+    fn role(&self, thing: u32) -> Role {
         self.roles[self.role_of[thing as usize] as usize]
+    }
+
+    /// What a ray meets at a contact.
+    #[inline]
+    pub(crate) fn met(&self, ray: &Ray, contact: &Contact) -> Role {
+        match (&contact.on, &self.bodies) {
+            (On::Body(place), Some(bodies)) => {
+                let body = self.body(contact);
+                let finish = bodies.finish_at(body, place, ray.at(contact.t));
+                Role::Surface { finish, solid: bodies.is_solid(body) }
+            }
+            _ => self.role(contact.thing),
+        }
+    }
+
+    fn body(&self, contact: &Contact) -> u32 {
+        contact.thing - self.things.len() as u32
     }
 
     #[inline]
@@ -194,41 +317,50 @@ impl World {
         &self.finishes[finish as usize]
     }
 
-    /// The absorption and the index of refraction inside a thing of glass.
+    /// The absorption and the index of refraction of glass.
     #[inline]
-    pub(crate) fn glass(&self, thing: u32) -> (Rgb, f64) {
-        match self.role(thing) {
-            Role::Surface { finish, .. } => match *self.finish(finish) {
-                Finish::Glass { absorption, ior } => (absorption, ior),
-                _ => (Rgb::BLACK, 1.0),
-            },
-            Role::Lamp(_) => (Rgb::BLACK, 1.0),
+    pub(crate) fn glass(&self, finish: u32) -> (Rgb, f64) {
+        match *self.finish(finish) {
+            Finish::Glass { absorption, ior } => (absorption, ior),
+            _ => (Rgb::BLACK, 1.0),
         }
     }
 
     #[inline]
     pub(crate) fn interaction(&self, ray: &Ray, contact: &Contact) -> Interaction {
-        self.things.interaction(contact.thing, ray, &contact.hit)
+        match (&contact.on, &self.bodies) {
+            (On::Body(place), Some(bodies)) => bodies.interaction(self.body(contact), ray, place),
+            (On::Body(_), None) => unreachable!("a contact with a body of another world"),
+            (On::Thing(hit), _) => self.things.interaction(contact.thing, ray, hit),
+        }
     }
 
     /// The first thing that the ray meets; of several at the same place the one with the smallest
     /// number.
     #[inline]
     pub(crate) fn closest(&self, ray: &Ray) -> Option<Contact> {
-        let mut best: Option<Contact> = None;
+        let mut best: Option<(u32, Hit)> = None;
         let mut shortened = *ray;
         for tree in [&self.blocking, &self.passing] {
             tree.walk(&{ shortened }, |thing| {
                 if let Some(hit) = self.things.closest(thing, &shortened) {
-                    if best.is_none_or(|best| hit.t < best.hit.t || thing < best.thing) {
-                        best = Some(Contact { thing, hit });
+                    if best.is_none_or(|best| hit.t < best.1.t || thing < best.0) {
+                        best = Some((thing, hit));
                     }
                     shortened.t_max = hit.t;
                 }
                 shortened.t_max
             });
         }
-        best
+        let thing = best.map(|(thing, hit)| Contact { thing, t: hit.t, on: On::Thing(hit) });
+        let Some(bodies) = &self.bodies else { return thing };
+        match bodies.closest(&mut shortened) {
+            Some((body, t, place)) if thing.is_none_or(|thing| t < thing.t) => {
+                let number = self.things.len() as u32 + body;
+                Some(Contact { thing: number, t, on: On::Body(place) })
+            }
+            _ => thing,
+        }
     }
 
     /// Whether something that is not clear stands in the ray's range. Lamps never do.
@@ -239,7 +371,7 @@ impl World {
             blocked = self.things.any(thing, ray);
             if blocked { f64::NEG_INFINITY } else { ray.t_max }
         });
-        blocked
+        blocked || self.bodies.as_ref().is_some_and(|b| b.blocks(ray, &self.finishes))
     }
 
     /// The share of the light that passes along the ray's range: none if something opaque is in the
@@ -274,8 +406,8 @@ impl World {
             if hits.is_empty() {
                 return;
             }
-            let (absorption, ior) = self.glass(thing);
-            let solid = matches!(self.role(thing), Role::Surface { solid: true, .. });
+            let Role::Surface { finish, solid } = self.role(thing) else { return };
+            let (absorption, ior) = self.glass(finish);
             for hit in &hits {
                 let cos = self.things.normal(thing, ray, hit).dot(ray.direction);
                 // Seen from the air on both sides: straight through a pane, that is the truth.
@@ -294,8 +426,26 @@ impl World {
         if ray.t_max < f64::INFINITY {
             depth += open.map(|v| v.max(0.0)) * ray.t_max;
         }
+        if let Some(bodies) = &self.bodies {
+            let (share, more) = bodies.clear(ray, &self.finishes);
+            passed *= share;
+            depth = depth.map(|v| v.max(0.0)) + more;
+        }
         depth.map(|v| (-v.max(0.0)).exp()) * passed
     }
+}
+
+/// The materials that an object names.
+fn materials(object: &Object) -> impl Iterator<Item = usize> {
+    let own = match &object.shape {
+        Described::Body(body) => &*body.materials,
+        _ => &[],
+    };
+    let cut = match object.section {
+        Cut::Open { material } => material,
+        Cut::Whole => None,
+    };
+    own.iter().flatten().copied().chain(cut).chain([object.material])
 }
 
 #[cfg(test)]
@@ -331,8 +481,9 @@ mod tests {
     fn alone(shape: &Described) -> Things {
         let mut builder = Builder::default();
         let copies = Copies::default();
-        let object = Object { name: String::new(), shape: shape.clone(), material: 0, copies };
-        builder.add(&object, 0).unwrap();
+        let (shape, section) = (shape.clone(), Cut::default());
+        let object = Object { name: String::new(), shape, material: 0, copies, section };
+        builder.add(&object, 0, &[]).unwrap();
         builder.things
     }
 
