@@ -133,7 +133,7 @@ impl fmt::Display for Contents<'_> {
             (self.disks, "disks"),
             (self.rectangles, "rectangles"),
             (self.spheres, "spheres"),
-            (self.swept, "open sweeps"),
+            (self.swept, "swept"),
             (self.solids, "solids"),
         ] {
             if number > 0 {

@@ -10,6 +10,7 @@ pub mod agree;
 pub mod closed_form;
 pub mod compare;
 pub mod exact;
+pub mod laws;
 pub mod oracle;
 pub mod pieces;
 pub mod polynomial;
