@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 use rondure::{
     Affine, FillRule, Ray, Solid, Vec3,
+    numeric::gamma,
     solid::{Compound, Csg},
 };
 
@@ -89,7 +90,7 @@ pub struct Law {
     pub spans: u64,
     /// The rays for which it did not hold.
     pub broken: u64,
-    /// The largest difference of two t or two lengths.
+    /// The largest difference of two t, beyond their own rounding, or of two lengths.
     pub worst: f64,
 }
 
@@ -156,7 +157,11 @@ impl Laws {
         for (law, sides) in same.iter().enumerate() {
             let [x, y] = sides.each_ref().map(|side| ends(side, ray));
             let pairs = || x.iter().flatten().zip(y.iter().flatten());
-            let apart = |(a, b): (&f64, &f64)| if a == b { 0.0 } else { (a - b).abs() };
+            // Nearly parallel to a plane, a ray passes it so far away that an ulp of t is long.
+            let ulps = |a: f64| gamma(4) * a.abs();
+            let apart = |(a, b): (&f64, &f64)| {
+                if a == b { 0.0 } else { ((a - b).abs() - ulps(*a)).max(0.0) }
+            };
             let worst = pairs().map(apart).fold(0.0, f64::max);
             self.laws[law].worst = self.laws[law].worst.max(worst);
             let broken = x.len() != y.len() || !(worst < THIN);

@@ -107,7 +107,7 @@ fn object(
     };
     let copies = placement::copies(&table, number);
     let shape = match kind {
-        Kind::Turned => turned(&table, named, profiles),
+        Kind::Turned => turned(&table, named, materials, profiles),
         Kind::Solid(kind) => {
             let mut sources = Sources { number, materials, profiles };
             solid::body(&table, kind, named, &mut sources).map(Shape::Body)
@@ -127,10 +127,15 @@ fn object(
 }
 
 /// `named` is the material that the object names, if it does.
-fn turned(table: &Table<'_>, named: Option<usize>, profiles: &mut Profiles) -> Option<Shape> {
+fn turned(
+    table: &Table<'_>,
+    named: Option<usize>,
+    materials: &mut Materials,
+    profiles: &mut Profiles,
+) -> Option<Shape> {
     let surface = table.require("profile").and_then(|v| profiles.find(&v));
     let surface = sweep::capped(table, surface, profiles);
-    let sweeping = sweep::sweeping(table);
+    let sweeping = sweep::sweeping(table, materials);
     let (surface, placement) = (surface, placement::placement(table)?);
     let (surface, sweeping) = (surface?, sweeping?);
     if let Some(closed) = sweeping.as_ref().filter(|s| s.open.is_none()) {

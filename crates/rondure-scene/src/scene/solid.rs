@@ -102,8 +102,8 @@ pub(super) fn swept(
     material: Option<usize>,
     placement: Affine,
 ) -> Option<Body> {
-    let csg = turned(table, surface, Some(sweeping))?;
-    finish(table, Part::uniform(csg, material, table.span()), placement)
+    let part = turned(table, surface, Some(sweeping), material)?;
+    finish(table, part, placement)
 }
 
 /// The body, if it can be built.
@@ -285,12 +285,12 @@ fn operand(value: &Value<'_>, inherited: Option<usize>, sources: &mut Sources<'_
         Operand::Turned => {
             let surface = table.require("profile").and_then(|v| sources.profiles.find(&v));
             let surface = sweep::capped(&table, surface, sources.profiles);
-            let sweeping = sweep::sweeping(&table);
+            let sweeping = sweep::sweeping(&table, sources.materials);
             let placement = placement::placement(&table);
-            let csg = surface
-                .zip(sweeping)
-                .and_then(|(surface, sweeping)| turned(&table, &surface, sweeping.as_ref()));
-            (csg.map(|csg| Part::uniform(csg, inherits, table.span())), placement)
+            let part = surface.zip(sweeping).and_then(|(surface, sweeping)| {
+                turned(&table, &surface, sweeping.as_ref(), inherits)
+            });
+            (part, placement)
         }
         Operand::Sphere => {
             let position = table.get("position").map_or(Some(Vec3::ZERO), |v| v.vector());
@@ -331,7 +331,12 @@ fn copied(value: &Value<'_>, part: Part, placement: Affine, copies: &Copies) -> 
 }
 
 /// The solid that a profile bounds, or a part of its turn.
-fn turned(table: &Table<'_>, surface: &Arc<Surface>, sweeping: Option<&Sweeping>) -> Option<Csg> {
+fn turned(
+    table: &Table<'_>,
+    surface: &Arc<Surface>,
+    sweeping: Option<&Sweeping>,
+    material: Option<usize>,
+) -> Option<Part> {
     if let Some(span) = sweeping.and_then(|s| s.open.clone()) {
         table.context().push(
             Diagnostic::error("a sweep that is left open bounds no solid")
@@ -343,10 +348,15 @@ fn turned(table: &Table<'_>, surface: &Arc<Surface>, sweeping: Option<&Sweeping>
     match Solid::from_surface(Arc::clone(surface), FillRule::NonZero) {
         Ok(solid) => {
             let whole = Csg::turned(Arc::new(solid));
-            Some(match sweeping {
-                Some(sweeping) => whole.swept(&sweeping.sweep),
-                None => whole,
-            })
+            let Some(sweeping) = sweeping else {
+                return Some(Part::uniform(whole, material, table.span()));
+            };
+            let mut part = Part::uniform(whole.swept(&sweeping.sweep), material, table.span());
+            // The solid itself is the first primitive, the faces are the others.
+            for face in &mut part.materials[1..] {
+                *face = sweeping.faces.or(material);
+            }
+            Some(part)
         }
         Err(_) => {
             let span = table.key_span("profile").unwrap_or(table.span());

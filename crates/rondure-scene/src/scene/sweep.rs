@@ -4,7 +4,7 @@ use std::{ops::Range, sync::Arc};
 
 use rondure::{Surface, solid::Sweep};
 
-use super::shared::Profiles;
+use super::{material::Materials, shared::Profiles};
 use crate::{
     Diagnostic,
     decode::{Bounds, Table, Value},
@@ -15,6 +15,8 @@ pub(super) struct Sweeping {
     pub(super) sweep: Sweep,
     /// Where it says that the sweep is to be left open, if it does.
     pub(super) open: Option<Range<usize>>,
+    /// The material of the plane faces, if they have one of their own.
+    pub(super) faces: Option<usize>,
 }
 
 /// The key `caps`: the surface with its ends joined to the axis, if it asks for that.
@@ -39,16 +41,16 @@ pub(super) fn capped(
 }
 
 /// The key `sweep`, if it is there; `None` after an error.
-pub(super) fn sweeping(table: &Table<'_>) -> Option<Option<Sweeping>> {
+pub(super) fn sweeping(table: &Table<'_>, materials: &mut Materials) -> Option<Option<Sweeping>> {
     match table.get("sweep") {
         None => Some(None),
-        Some(value) => read(&value).map(Some),
+        Some(value) => read(&value, materials).map(Some),
     }
 }
 
-fn read(value: &Value<'_>) -> Option<Sweeping> {
-    let ([from, to], open) = if value.is_array() {
-        (value.numbers::<2>(Bounds::ANY)?, None)
+fn read(value: &Value<'_>, materials: &mut Materials) -> Option<Sweeping> {
+    let ([from, to], open, faces) = if value.is_array() {
+        (value.numbers::<2>(Bounds::ANY)?, None, None)
     } else if value.is_table() {
         let table = value.table("a sweep")?;
         let [from, to] = ["from", "to"].map(|key| table.require(key)?.number(Bounds::ANY));
@@ -56,8 +58,13 @@ fn read(value: &Value<'_>) -> Option<Sweeping> {
             None => Some(None),
             Some(v) => v.boolean().map(|open| open.then(|| v.span())),
         };
+        // What is open has no faces.
+        let faces = match open {
+            Some(Some(_)) => Some(None),
+            _ => table.get("material").map_or(Some(None), |v| materials.find(Some(v)).map(Some)),
+        };
         table.finish();
-        ([from?, to?], open?)
+        ([from?, to?], open?, faces?)
     } else {
         return value.fail_with_help(
             "`sweep`: expected two angles or a table",
@@ -66,7 +73,7 @@ fn read(value: &Value<'_>) -> Option<Sweeping> {
         );
     };
     match Sweep::degrees(from, to) {
-        Ok(sweep) => Some(Sweeping { sweep, open }),
+        Ok(sweep) => Some(Sweeping { sweep, open, faces }),
         Err(_) => value.fail_with_help(
             format!("a sweep cannot run from {from} to {to} degrees"),
             "the second angle must be larger than the first, by at most 360".into(),
