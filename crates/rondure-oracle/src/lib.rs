@@ -9,6 +9,7 @@
 pub mod agree;
 pub mod closed_form;
 pub mod compare;
+pub mod cuts;
 pub mod exact;
 pub mod laws;
 pub mod oracle;

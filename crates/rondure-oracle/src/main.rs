@@ -1,4 +1,4 @@
-//! `rondure-oracle soak`, `csg`, `agree`: the comparisons of the test suites, as long as one likes.
+//! `rondure-oracle soak`, `csg`, `cuts`, `agree`: the comparisons of the test suites, as long as one likes.
 
 mod agree_command;
 
@@ -6,6 +6,7 @@ use std::{env, process::ExitCode, time::Instant};
 
 use rondure_oracle::{
     Random, Tally,
+    cuts::{Cuts, EYES},
     laws::Laws,
     profiles::{SOLIDS, STANDARD, standard},
     solids, suites,
@@ -13,6 +14,7 @@ use rondure_oracle::{
 
 const USAGE: &str = "usage: rondure-oracle soak [--rays N] [--seed S] [--only NAME]
        rondure-oracle csg [--rays N] [--seed S]
+       rondure-oracle cuts [--random N] [--seed S] [--only NAME]
        rondure-oracle agree [OPTION]..., see agree --help
 
 Shoots N random rays (1e6) at each standard profile and at random ones, and compares every hit
@@ -20,12 +22,16 @@ with the exact oracle or a closed form; 10 N at the goblet for parity alone; N a
 spans. --only runs the parts whose name contains NAME.
 
 csg shoots N random rays at random solids, many of them with faces that coincide, and says for each law
-of sets (A - A is empty, De Morgan's, ..) how often it was broken.";
+of sets (A - A is empty, De Morgan's, ..) how often it was broken.
+
+cuts cuts the standard profiles, capped, and N random ones (100) by a plane at the height of each of their
+vertices, and holds every pixel of three pictures of each to the oracle.";
 
 struct Options {
     rays: u64,
     seed: u64,
     only: String,
+    random: u64,
 }
 
 fn main() -> ExitCode {
@@ -35,6 +41,7 @@ fn main() -> ExitCode {
     }
     match options(&command) {
         Ok(options) if command == "csg" => csg(&options),
+        Ok(options) if command == "cuts" => cuts(&options),
         Ok(options) => soak(&options),
         Err(message) => {
             eprintln!("{message}\n{USAGE}");
@@ -44,18 +51,19 @@ fn main() -> ExitCode {
 }
 
 fn options(command: &str) -> Result<Options, String> {
-    if !["soak", "csg"].contains(&command) {
-        return Err("the commands are soak, csg and agree".into());
+    if !["soak", "csg", "cuts"].contains(&command) {
+        return Err("the commands are soak, csg, cuts and agree".into());
     }
     let mut arguments = env::args().skip(2);
-    let mut options = Options { rays: 1_000_000, seed: 1, only: String::new() };
+    let mut options = Options { rays: 1_000_000, seed: 1, only: String::new(), random: 100 };
     while let Some(name) = arguments.next() {
         let value = arguments.next().ok_or(format!("{name} needs a value"))?;
         let number = || value.parse::<f64>().map_err(|_| format!("{name}: {value} is no number"));
         match name.as_str() {
-            "--rays" => options.rays = number()? as u64,
+            "--random" if command == "cuts" => options.random = number()? as u64,
+            "--rays" if command != "cuts" => options.rays = number()? as u64,
             "--seed" => options.seed = number()? as u64,
-            "--only" if command == "soak" => options.only = value,
+            "--only" if command != "csg" => options.only = value,
             _ => return Err(format!("unknown option {name}")),
         }
     }
@@ -115,4 +123,25 @@ fn csg(options: &Options) -> ExitCode {
     }
     println!("{laws}");
     if laws.hold() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+fn cuts(options: &Options) -> ExitCode {
+    let mut clean = true;
+    let mut tell = |name: &str, cuts: &Cuts| {
+        println!("{name}: {cuts}");
+        clean &= cuts.are_right();
+    };
+    for (name, _) in STANDARD.iter().filter(|(name, _)| name.contains(&options.only)) {
+        let mut cuts = Cuts::default();
+        cuts.cut(name, &standard(name).capped(), usize::MAX, &EYES);
+        tell(name, &cuts);
+    }
+    if "random".contains(&options.only) {
+        let (mut random, mut cuts) = (Random::new(options.seed), Cuts::default());
+        for _ in 0..options.random {
+            cuts.cut("random", &random.profile().capped(), usize::MAX, &EYES);
+        }
+        tell("random", &cuts);
+    }
+    if clean { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }

@@ -233,19 +233,17 @@ enum Operand {
     Turned,
     Sphere,
     Other(Kind),
-    /// Something that is a surface alone.
-    Flat,
 }
 
-const OPERANDS: [(&str, Operand); 7] = [
+const OPERANDS: [(&str, Operand); 4] = [
     ("turned", Operand::Turned),
     ("sphere", Operand::Sphere),
     ("box", Operand::Other(Kind::Box)),
     ("half-space", Operand::Other(Kind::HalfSpace)),
-    ("plane", Operand::Flat),
-    ("disk", Operand::Flat),
-    ("rectangle", Operand::Flat),
 ];
+
+/// The types of objects that bound no solid.
+const FLAT: [&str; 3] = ["plane", "disk", "rectangle"];
 
 /// An operand in the frame of the solid that it belongs to; `inherited` is that solid's material.
 fn operand(value: &Value<'_>, inherited: Option<usize>, sources: &mut Sources<'_>) -> Option<Part> {
@@ -256,14 +254,14 @@ fn operand(value: &Value<'_>, inherited: Option<usize>, sources: &mut Sources<'_
     };
     let kind = match table.get("type") {
         Some(v) => {
-            let kind = v.choice("type of solid", &OPERANDS)?;
             let name = v.as_str().unwrap_or_default();
-            if matches!(kind, Operand::Flat) {
+            if FLAT.contains(&name) {
                 return v.fail_with_help(
                     format!("a {name} bounds no solid"),
                     "a half space ends at a plane: type = \"half-space\"".into(),
                 );
             }
+            let kind = v.choice("type of solid", &OPERANDS)?;
             table.call(format!("a {name}"));
             kind
         }
@@ -301,7 +299,6 @@ fn operand(value: &Value<'_>, inherited: Option<usize>, sources: &mut Sources<'_
             (part, position.map(Affine::translate))
         }
         Operand::Other(kind) => (part(&table, kind, inherits, sources), place(&table, kind)),
-        Operand::Flat => (None, None),
     };
     table.finish();
     material?;
