@@ -182,15 +182,24 @@ fn rays(center: Vec3, radius: f64, eye: Vec3) -> impl Iterator<Item = Ray> {
 fn expected(ray: &Ray, hits: &[OracleHit], z: f64) -> Pixel {
     let plane = (z - ray.origin.z) / ray.direction.z;
     let rounding = gamma(4) * plane.abs();
-    let away = |hit: &OracleHit| (hit.t.hi - plane).abs();
-    if ray.direction.z == 0.0
-        || hits.iter().any(|h| h.changes != 1 || (rounding..BAND * plane.abs()).contains(&away(h)))
-    {
+    // A place and the next: the same, apart, or neither for certain.
+    let unclear = |a: f64, b: f64| {
+        let size = a.abs().max(b.abs());
+        (gamma(4) * size..BAND * size).contains(&(a - b).abs())
+    };
+    let is_unclear = ray.direction.z == 0.0
+        || hits.iter().any(|hit| hit.changes != 1 || unclear(hit.t.hi, plane))
+        || hits.windows(2).any(|pair| unclear(pair[0].t.hi, pair[1].t.hi));
+    if is_unclear {
         return Pixel::Unclear;
     }
-    let flush = hits.iter().any(|hit| away(hit) < rounding);
+    // A face that is drawn back and forth bounds nothing.
+    let same = |a: &OracleHit, b: &OracleHit| b.t.hi - a.t.hi < gamma(4) * b.t.hi.abs();
+    let walls: Vec<&OracleHit> =
+        hits.chunk_by(same).filter(|group| group.len() % 2 == 1).map(|group| &group[0]).collect();
+    let flush = walls.iter().any(|hit| (hit.t.hi - plane).abs() < rounding);
     let first = |from: f64, to: f64| {
-        let hit = hits.iter().find(|hit| from < hit.t.hi && hit.t.hi < to);
+        let hit = walls.iter().find(|hit| from < hit.t.hi && hit.t.hi < to);
         hit.map_or(Pixel::Nothing, |hit| Pixel::Surface { t: hit.t.hi, sine: hit.incidence })
     };
     if ray.direction.z > 0.0 {
@@ -199,7 +208,7 @@ fn expected(ray: &Ray, hits: &[OracleHit], z: f64) -> Pixel {
     if plane <= 0.0 {
         return first(0.0, f64::INFINITY);
     }
-    let passed = hits.iter().filter(|hit| hit.t.hi <= plane + rounding).count();
+    let passed = walls.iter().filter(|hit| hit.t.hi <= plane + rounding).count();
     if passed % 2 == 1 {
         Pixel::Face { t: plane, flush }
     } else {

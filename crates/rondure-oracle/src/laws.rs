@@ -60,8 +60,10 @@ const SAME: [(&str, Same); 10] = [
     ("A * B = B * A", |a, b, _| [times(a, b), times(b, a)]),
 ];
 
-/// Expressions that are nothing.
-const NOTHING: [(&str, fn(&Csg, &Csg) -> Csg); 3] = [
+/// An expression in A and B that is nothing.
+type Nothing = fn(&Csg, &Csg) -> Csg;
+
+const NOTHING: [(&str, Nothing); 3] = [
     ("A - A = 0", |a, _| less(a, a)),
     ("A - (B + A) = 0", |a, b| less(a, &plus(b, a))),
     ("(A * B) - A = 0", |a, b| less(&times(a, b), a)),
@@ -134,7 +136,7 @@ impl Laws {
     }
 
     fn round(&mut self, random: &mut Random) {
-        let aligned = self.rounds % 2 == 0;
+        let aligned = self.rounds.is_multiple_of(2);
         self.rounds += 1;
         let [a, b, c] = [(); 3].map(|()| operand(random, aligned));
         let built = |csg: Csg| known(csg.build());
@@ -164,7 +166,7 @@ impl Laws {
             };
             let worst = pairs().map(apart).fold(0.0, f64::max);
             self.laws[law].worst = self.laws[law].worst.max(worst);
-            let broken = x.len() != y.len() || !(worst < THIN);
+            let broken = x.len() != y.len() || worst >= THIN;
             self.tell(law, x.len() + y.len(), broken.then_some(worst), ray);
         }
     }
@@ -184,7 +186,8 @@ impl Laws {
             let law = SAME.len() + NOTHING.len() + i;
             let off = (x - y).abs();
             self.laws[law].worst = self.laws[law].worst.max(off);
-            self.tell(law, spans, (!(off < THIN)).then_some(off), &ray);
+            let broken = off.is_nan() || off >= THIN;
+            self.tell(law, spans, broken.then_some(off), &ray);
         }
     }
 

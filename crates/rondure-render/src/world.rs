@@ -3,23 +3,18 @@
 //! Two trees: one over what blocks light, one over what lets it pass, clear glass and lamps. Bodies,
 //! which may be of several materials, have a third.
 
-use std::collections::HashMap;
-use std::sync::Arc;
-
-use rondure::{
-    Bounds, Bvh, Hit, Interaction, Ray, Surface,
-    solid::{Csg, CsgError},
-};
-use rondure_scene::{Cut, Light, Object, Scene, Section, Shape as Described};
+use rondure::{Bounds, Bvh, Hit, Interaction, Ray};
+use rondure_scene::{Light, Scene, Shape as Described};
 
 use crate::{
     RenderError,
-    bodies::{self, Bodies, Knife, Left, Place},
+    bodies::{Bodies, Place},
     color::Rgb,
     finish::Finish,
     fresnel,
+    gather::{Gathered, materials},
     light::{Heaven, Lamp},
-    shape::{Disk, Plane, Rectangle, Shape, Sphere},
+    shape::{Disk, Shape, Sphere},
     things::Things,
 };
 
@@ -68,152 +63,9 @@ pub(crate) struct World {
     has_glass: bool,
 }
 
-/// Gathers the things of a scene.
-#[derive(Default)]
-struct Builder {
-    things: Things,
-    /// The numbers of the surfaces that are known.
-    surfaces: HashMap<*const Surface, u32>,
-    turned_roles: Vec<u32>,
-    simple_roles: Vec<u32>,
-    bodies: bodies::Builder,
-}
-
-impl Builder {
-    /// Adds an object, the `role`-th of the scene.
-    fn add(&mut self, object: &Object, role: u32, section: &[Section]) -> Result<(), RenderError> {
-        let knife = match object.section {
-            Cut::Open { material } => Knife::new(section, material.map(|m| m as u32)),
-            Cut::Whole => None,
-        };
-        if let (Described::Turned(instance), None) = (&object.shape, &knife) {
-            let shape = self.shape(instance.surface());
-            let turned = &mut self.things.turned;
-            for motion in object.motions() {
-                let placed = turned.place(shape, motion.map.after(instance.placement()));
-                placed.map_err(|source| placement_error(object, source))?;
-            }
-            self.turned_roles.resize(turned.len(), role);
-            return Ok(());
-        }
-        for shape in object.shapes().flatten() {
-            self.add_shape(&shape, object, role, knife.as_ref())?;
-        }
-        Ok(())
-    }
-
-    /// Adds one copy of an object, or what the knife leaves of it.
-    fn add_shape(
-        &mut self,
-        shape: &Described,
-        object: &Object,
-        role: u32,
-        knife: Option<&Knife<'_>>,
-    ) -> Result<(), RenderError> {
-        let finish = object.material as u32;
-        let left = |bounds: &Bounds| knife.map_or(Left::All, |knife| knife.of(bounds));
-        let added = match shape {
-            Described::Turned(instance) => match (left(&instance.bounds()), knife) {
-                (Left::Nothing, _) => Ok(()),
-                (Left::Part, Some(knife)) => match self.bodies.solid(instance.surface()) {
-                    Some(solid) => {
-                        let csg = Csg::turned(solid).placed(instance.placement());
-                        self.bodies.add_solid(csg, vec![None], finish, Some(knife))
-                    }
-                    None => {
-                        self.bodies.add_turned_sheet(instance.clone(), None, finish, Some(knife))
-                    }
-                },
-                _ => {
-                    let number = self.shape(instance.surface());
-                    let placed = self.things.turned.place(number, *instance.placement());
-                    placed.map_err(|source| placement_error(object, source))?;
-                    self.turned_roles.push(role);
-                    Ok(())
-                }
-            },
-            Described::Swept { instance, sweep } => {
-                let knife = match left(&instance.bounds()) {
-                    Left::Nothing => return Ok(()),
-                    Left::All => None,
-                    Left::Part => knife,
-                };
-                self.bodies.add_turned_sheet(instance.clone(), Some(sweep), finish, knife)
-            }
-            Described::Body(body) => {
-                let finishes = body.materials.iter().map(|m| m.map(|m| m as u32)).collect();
-                self.bodies.add_solid(body.placed(), finishes, finish, knife)
-            }
-            &Described::Sphere { center, radius } => {
-                let sphere = Shape::Sphere(Sphere::new(center, radius));
-                match (left(&sphere.bounds()), knife) {
-                    (Left::Nothing, _) => Ok(()),
-                    (Left::Part, Some(knife)) => {
-                        let csg = Csg::sphere(center, radius);
-                        self.bodies.add_solid(csg, vec![None], finish, Some(knife))
-                    }
-                    _ => {
-                        self.add_simple(sphere, role);
-                        Ok(())
-                    }
-                }
-            }
-            &Described::Plane { point, normal } => {
-                self.add_flat(Shape::Plane(Plane::new(point, normal)), finish, role, knife)
-            }
-            &Described::Disk { center, normal, radius } => {
-                self.add_flat(Shape::Disk(Disk::new(center, normal, radius)), finish, role, knife)
-            }
-            &Described::Rectangle { center, edges } => {
-                self.add_flat(Shape::Rectangle(Rectangle::new(center, edges)), finish, role, knife)
-            }
-        };
-        added.map_err(|source| RenderError::Solid { object: object.name.clone(), source })
-    }
-
-    fn add_flat(
-        &mut self,
-        shape: Shape,
-        finish: u32,
-        role: u32,
-        knife: Option<&Knife<'_>>,
-    ) -> Result<(), CsgError> {
-        match knife.map(|knife| (knife, knife.of(&shape.bounds()))) {
-            Some((_, Left::Nothing)) => Ok(()),
-            Some((knife, Left::Part)) => self.bodies.add_simple_sheet(shape, finish, knife),
-            Some((_, Left::All)) | None => {
-                self.add_simple(shape, role);
-                Ok(())
-            }
-        }
-    }
-
-    /// The number of a turned surface.
-    fn shape(&mut self, surface: &Arc<Surface>) -> u32 {
-        let known = self.surfaces.entry(Arc::as_ptr(surface));
-        *known.or_insert_with(|| self.things.turned.add_shape(Arc::clone(surface)))
-    }
-
-    /// Makes room for so many turned things.
-    fn reserve(&mut self, count: u64) -> Option<()> {
-        let count = usize::try_from(count).ok()?;
-        self.things.turned.try_reserve(count).ok()?;
-        self.turned_roles.try_reserve_exact(count).ok()
-    }
-
-    fn add_simple(&mut self, shape: Shape, role: u32) {
-        self.things.simple.push(shape);
-        self.simple_roles.push(role);
-    }
-}
-
-fn placement_error(object: &Object, source: rondure::PlaceError) -> RenderError {
-    RenderError::Placement { object: object.name.clone(), source }
-}
-
 impl World {
     pub(crate) fn new(scene: &Scene) -> Result<Self, RenderError> {
-        let mut builder = Builder::default();
+        let mut builder = Gathered::default();
         let turned = scene.objects.iter().filter(|o| matches!(o.shape, Described::Turned(_)));
         let count = turned.map(|o| o.copies.count()).fold(0, u64::saturating_add);
         builder.reserve(count).ok_or(RenderError::OutOfMemory { count })?;
@@ -240,7 +92,7 @@ impl World {
             };
             builder.add_simple(shape, role);
         }
-        let Builder { things, turned_roles: mut role_of, simple_roles, bodies, .. } = builder;
+        let Gathered { things, turned_roles: mut role_of, simple_roles, bodies, .. } = builder;
         role_of.extend(simple_roles);
         let finishes: Vec<_> = scene.materials.iter().map(Finish::new).collect();
         let bodies = bodies.build(&finishes)?;
@@ -435,25 +287,12 @@ impl World {
     }
 }
 
-/// The materials that an object names.
-fn materials(object: &Object) -> impl Iterator<Item = usize> {
-    let own = match &object.shape {
-        Described::Body(body) => &*body.materials,
-        _ => &[],
-    };
-    let cut = match object.section {
-        Cut::Open { material } => material,
-        Cut::Whole => None,
-    };
-    own.iter().flatten().copied().chain(cut).chain([object.material])
-}
-
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;
 
     use rondure::{Affine, Instance, Profile, Surface, Vec3};
-    use rondure_scene::{Copies, Shape as Described};
+    use rondure_scene::{Copies, Cut, Object, Shape as Described};
 
     use super::*;
     use crate::{
@@ -479,7 +318,7 @@ mod tests {
 
     /// The shape as the only thing.
     fn alone(shape: &Described) -> Things {
-        let mut builder = Builder::default();
+        let mut builder = Gathered::default();
         let copies = Copies::default();
         let (shape, section) = (shape.clone(), Cut::default());
         let object = Object { name: String::new(), shape, material: 0, copies, section };
