@@ -20,7 +20,7 @@ use crate::{
 };
 
 /// How many rays are shot at the same solids.
-const RAYS_PER_ROUND: u64 = 100;
+pub const RAYS_PER_ROUND: u64 = 100;
 
 /// Solids are about 2 large. Near a tangency, and where several faces at the same place differ in which
 /// gives its t, ends of spans differ by less than this.

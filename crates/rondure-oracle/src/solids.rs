@@ -7,7 +7,10 @@ use rondure::{
     solid::{Compound, Csg, Face, Span},
 };
 
-use crate::{Oracle, Random, Tally};
+use crate::{
+    Oracle, Random, Tally,
+    laws::{Laws, RAYS_PER_ROUND},
+};
 
 /// The fill rules.
 pub const RULES: [FillRule; 2] = [FillRule::NonZero, FillRule::EvenOdd];
@@ -172,4 +175,17 @@ pub fn ends(compound: &Compound, ray: &Ray) -> Vec<[f64; 2]> {
     let mut spans: Vec<Span<Face>> = Vec::new();
     compound.spans(ray, &mut spans);
     spans.iter().map(|s| [s.enter.t, s.exit.t]).collect()
+}
+
+/// The [`Laws`] of sets on random solids.
+pub fn laws(rays: u64, random: &mut Random, tally: &mut Tally) {
+    let mut laws = Laws::default();
+    laws.try_on(rays.div_ceil(RAYS_PER_ROUND), random);
+    tally.rays += laws.rays;
+    for law in &laws.laws {
+        tally.hits += 2 * law.spans;
+        tally.inconsistent += law.broken;
+    }
+    let room = TOLD.saturating_sub(tally.failures.len());
+    tally.failures.extend(laws.failures.into_iter().take(room));
 }

@@ -365,21 +365,24 @@ impl Builder {
         finish: u32,
         knife: Option<&Knife<'_>>,
     ) -> Result<(), CsgError> {
+        let mut compound = csg.build()?;
+        finishes.resize(compound.leaf_count(), None);
         let mut lenders = Vec::new();
-        let mut next = 0;
-        collect_lenders(&csg, false, &mut next, &mut |leaf| {
+        collect_lenders(&csg, false, &mut 0, &mut |leaf| {
             if finishes[leaf as usize].is_some() {
                 lenders.push(leaf);
             }
         });
-        let csg = match knife {
-            None => csg,
-            Some(knife) => {
-                finishes.extend(knife.finishes());
-                csg.intersection(knife.region())
+        if let Some(knife) = knife {
+            match knife.of(&compound.bounds()) {
+                Left::All => {}
+                Left::Nothing => return Ok(()),
+                Left::Part => {
+                    finishes.extend(knife.finishes());
+                    compound = csg.intersection(knife.region()).build()?;
+                }
             }
-        };
-        let compound = csg.build()?;
+        }
         let kind = Kind::Solid(Box::new(Made { compound, finishes, lenders }));
         self.all.push(Body { kind, finish, clarity: Clarity::None });
         Ok(())
