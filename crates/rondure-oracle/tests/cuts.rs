@@ -29,20 +29,20 @@ fn every_pixel_of_solids_with_level_faces_is_right() {
         "M 0 0 L 1 0.7 L 0 1.4 L 1 2.1 L 0 2.8",
         "M 1 0 L 2 0 L 2.5 1 L 2 2 L 1 2 L 0.5 1 Z M 3 1 H 4 V 2 H 3 Z",
     ] {
-        cuts.cut(text, &Profile::from_path_data(text).unwrap(), usize::MAX, &EYES);
+        cuts.cut(text, &Profile::from_path_data(text).unwrap(), usize::MAX, &EYES[1..]);
     }
     println!("{cuts}");
     assert!(cuts.are_right(), "{cuts}");
-    assert!(cuts.faces > 50_000 && cuts.unclear < cuts.pixels / 100, "{cuts}");
+    assert!(cuts.faces > 30_000 && cuts.unclear < cuts.pixels / 100, "{cuts}");
 }
 
 #[test]
 fn every_pixel_of_random_solids_is_right() {
     let (mut random, mut cuts) = (Random::new(91), Cuts::default());
-    for _ in 0..6 {
+    for _ in 0..4 {
         cuts.cut("random", &random.profile().capped(), 6, &EYES[..1]);
     }
     println!("{cuts}");
     assert!(cuts.are_right(), "{cuts}");
-    assert!(cuts.faces > 2_000 && cuts.unclear < cuts.pixels / 100, "{cuts}");
+    assert!(cuts.faces > 1_000 && cuts.unclear < cuts.pixels / 100, "{cuts}");
 }
