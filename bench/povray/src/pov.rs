@@ -54,6 +54,9 @@ pub(crate) fn write(scene: &Scene) -> Result<(String, Vec<String>), fmt::Error> 
     for light in &scene.lights {
         pov.light(light, scene.camera.look_at, scene.film.exposure)?;
     }
+    if !scene.section.is_empty() {
+        pov.notes.push("POV-Ray's scene is not cut open".into());
+    }
     for object in &scene.objects {
         let Some(material) = scene.materials.get(object.material) else { continue };
         writeln!(pov.text, "\n// {}", object.name.replace(char::is_control, " "))?;
@@ -168,6 +171,10 @@ impl Pov {
             }
             Shape::Sphere { center, radius } => {
                 write!(self.text, "sphere {{ {}, {radius}", Vector(center))?;
+            }
+            Shape::Swept { .. } | Shape::Body(_) => {
+                self.notes.push(format!("{name}: left out of POV-Ray's scene, as no whole turn"));
+                return Ok(());
             }
         }
         self.material(name, material, checker_frame)?;

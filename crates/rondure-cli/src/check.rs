@@ -4,7 +4,6 @@ use std::{
     fmt,
     io::{self, Write},
     path::PathBuf,
-    sync::Arc,
 };
 
 use clap::Args;
@@ -61,6 +60,8 @@ struct Contents<'a> {
     disks: u64,
     rectangles: u64,
     spheres: u64,
+    swept: u64,
+    solids: u64,
 }
 
 impl<'a> Contents<'a> {
@@ -74,23 +75,22 @@ impl<'a> Contents<'a> {
             disks: 0,
             rectangles: 0,
             spheres: 0,
+            swept: 0,
+            solids: 0,
         };
-        let mut surfaces = Vec::new();
         for object in &scene.objects {
             let number = match &object.shape {
-                Shape::Turned(instance) => {
-                    surfaces.push(instance.surface());
-                    &mut found.turned
-                }
+                Shape::Turned(_) => &mut found.turned,
                 Shape::Plane { .. } => &mut found.planes,
                 Shape::Disk { .. } => &mut found.disks,
                 Shape::Rectangle { .. } => &mut found.rectangles,
                 Shape::Sphere { .. } => &mut found.spheres,
+                Shape::Swept { .. } => &mut found.swept,
+                Shape::Body(_) => &mut found.solids,
             };
             *number += object.copies.count();
         }
-        surfaces.sort_by_key(|surface| Arc::as_ptr(surface));
-        surfaces.dedup_by_key(|surface| Arc::as_ptr(surface));
+        let surfaces = scene.surfaces();
         found.profiles = surfaces.len();
         found.segments = surfaces.iter().map(|s| s.profile().segments().count()).sum();
         found
@@ -99,7 +99,7 @@ impl<'a> Contents<'a> {
 
 impl fmt::Display for Contents<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Scene { film, camera, sky, lights, materials, objects } = self.scene;
+        let Scene { film, camera, sky, lights, materials, objects, section } = self.scene;
         let projection = match camera.projection {
             Projection::Perspective { fov } => {
                 format!("perspective, field of view {:.3}°", fov.to_degrees())
@@ -133,10 +133,15 @@ impl fmt::Display for Contents<'_> {
             (self.disks, "disks"),
             (self.rectangles, "rectangles"),
             (self.spheres, "spheres"),
+            (self.swept, "swept"),
+            (self.solids, "solids"),
         ] {
             if number > 0 {
                 writeln!(f, "    {name:<10} {number}")?;
             }
+        }
+        if !section.is_empty() {
+            writeln!(f, "  section    {}", count(section.len(), "plane"))?;
         }
         writeln!(f, "  materials  {}", materials.len())?;
         let dark = matches!(sky, Sky::Constant { color } if *color == [0.0; 3]);

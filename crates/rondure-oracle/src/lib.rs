@@ -9,7 +9,9 @@
 pub mod agree;
 pub mod closed_form;
 pub mod compare;
+pub mod cuts;
 pub mod exact;
+pub mod laws;
 pub mod oracle;
 pub mod pieces;
 pub mod polynomial;

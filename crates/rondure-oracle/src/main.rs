@@ -1,6 +1,7 @@
 //! `rondure-oracle soak`, `rondure-oracle agree`: the comparisons of the test suites, as long as one likes.
 
 mod agree_command;
+mod sets_command;
 
 use std::{env, process::ExitCode, time::Instant};
 
@@ -12,6 +13,7 @@ use rondure_oracle::{
 
 const USAGE: &str = "usage: rondure-oracle soak [--rays N] [--seed S] [--only NAME]
        rondure-oracle agree [OPTION]..., see agree --help
+       rondure-oracle csg [OPTION]..., rondure-oracle cuts [OPTION]..., see csg --help
 
 Shoots N random rays (1e6) at each standard profile and at random ones, and compares every hit
 with the exact oracle or a closed form; 10 N at the goblet for parity alone; N at random solids, for
@@ -27,6 +29,9 @@ struct Options {
 fn main() -> ExitCode {
     if env::args().nth(1).as_deref() == Some("agree") {
         return agree_command::run(env::args().skip(2));
+    }
+    if let Some(command @ ("csg" | "cuts")) = env::args().nth(1).as_deref() {
+        return sets_command::run(command, env::args().skip(2));
     }
     match options() {
         Ok(options) => soak(&options),

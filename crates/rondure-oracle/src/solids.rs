@@ -7,16 +7,16 @@ use rondure::{
     solid::{Compound, Csg, Face, Span},
 };
 
-use crate::{Oracle, Random, Tally};
+use crate::{
+    Oracle, Random, Tally,
+    laws::{Laws, RAYS_PER_ROUND},
+};
 
 /// The fill rules.
 pub const RULES: [FillRule; 2] = [FillRule::NonZero, FillRule::EvenOdd];
 
 /// As many failures are told in words.
 const TOLD: usize = 10;
-
-/// Near a tangency a span or a gap of up to this length, of the size, may be there or not.
-const THIN: f64 = 1e-6;
 
 /// A solid, or what makes one, that is known to be in order.
 ///
@@ -177,64 +177,15 @@ pub fn ends(compound: &Compound, ray: &Ray) -> Vec<[f64; 2]> {
     spans.iter().map(|s| [s.enter.t, s.exit.t]).collect()
 }
 
-/// The laws of sets on random solids, half of them with faces that coincide: A - A and the like are
-/// empty; De Morgan, distribution, absorption and idempotence; lengths of union and intersection.
+/// The [`Laws`] of sets on random solids.
 pub fn laws(rays: u64, random: &mut Random, tally: &mut Tally) {
-    const RAYS_PER_SOLIDS: u64 = 100;
-    for i in 0..rays.div_ceil(RAYS_PER_SOLIDS) {
-        let aligned = i % 2 == 0;
-        let [a, b, c] = [(); 3].map(|()| random_solid(random, aligned));
-        let (a, b, c) = (|| a.clone(), || b.clone(), || c.clone());
-        let built = |csg: Csg| known(csg.build());
-        let same = [
-            (c().difference(a().union(b())), c().difference(a()).intersection(c().difference(b()))),
-            (c().difference(a().intersection(b())), c().difference(a()).union(c().difference(b()))),
-            (a().intersection(b().union(c())), a().intersection(b()).union(a().intersection(c()))),
-            (a().union(b()).union(c()), Csg::Union(vec![a(), b(), c()])),
-            (Csg::Difference(vec![a(), b(), c()]), a().difference(b().union(c()))),
-            (a().union(b().intersection(a())), a()),
-            (a().intersection(a()), a()),
-            (a().union(a()), a()),
-        ]
-        .map(|(x, y)| [built(x), built(y)]);
-        let empty = [a().difference(a()), a().difference(b().union(a()))].map(built);
-        let measured = [a().union(b()), a().intersection(b()), a().difference(b()), a(), b()];
-        let measured = measured.map(built);
-        for _ in 0..RAYS_PER_SOLIDS {
-            let ray = random_ray(random, aligned);
-            tally.rays += 1;
-            let mut broken = None;
-            for (law, [x, y]) in same.iter().enumerate() {
-                let (x, y) = (ends(x, &ray), ends(y, &ray));
-                tally.hits += 2 * x.len() as u64;
-                if !are_same(&x, &y) {
-                    broken = Some(format!("law {law}: {x:?} {y:?}"));
-                }
-            }
-            if empty.iter().any(|x| !ends(x, &ray).is_empty()) {
-                broken = Some("A - A".into());
-            }
-            let cut = ray.with_range(-20.0, 20.0);
-            let [union, intersection, difference, of_a, of_b] = measured
-                .each_ref()
-                .map(|x| ends(x, &cut).iter().map(|[from, to]| to - from).sum::<f64>());
-            if (union + intersection - of_a - of_b).abs() > THIN
-                || (difference + intersection - of_a).abs() > THIN
-            {
-                broken = Some("lengths".into());
-            }
-            if let Some(broken) = broken {
-                tally.inconsistent += 1;
-                if tally.failures.len() < TOLD {
-                    tally.failures.push(format!("{broken} {ray:?}"));
-                }
-            }
-        }
+    let mut laws = Laws::default();
+    laws.try_on(rays.div_ceil(RAYS_PER_ROUND), random);
+    tally.rays += laws.rays;
+    for law in &laws.laws {
+        tally.hits += 2 * law.spans;
+        tally.inconsistent += law.broken;
     }
-}
-
-/// Whether spans are the same, up to which of several faces at the same place gives its t.
-fn are_same(x: &[[f64; 2]], y: &[[f64; 2]]) -> bool {
-    let near = |a: f64, b: f64| a == b || (a - b).abs() < THIN;
-    x.len() == y.len() && x.iter().flatten().zip(y.iter().flatten()).all(|(a, b)| near(*a, *b))
+    let room = TOLD.saturating_sub(tally.failures.len());
+    tally.failures.extend(laws.failures.into_iter().take(room));
 }

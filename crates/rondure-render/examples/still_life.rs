@@ -10,7 +10,7 @@ use std::{error::Error, f64::consts::PI, fs, path::PathBuf, sync::Arc, time::Ins
 use rondure::{Affine, Instance, Profile, Surface, Vec3};
 use rondure_render::{Settings, render};
 use rondure_scene::{
-    Camera, Copies, Film, Light, Material, Object, Paint, Projection, Scene, Shape, Sky,
+    Camera, Copies, Cut, Film, Light, Material, Object, Paint, Projection, Scene, Shape, Sky,
 };
 
 fn turned(name: &str, at: [f64; 2], scale: f64) -> Result<Shape, Box<dyn Error>> {
@@ -73,6 +73,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         shape,
         material,
         copies: Copies::default(),
+        section: Cut::default(),
     });
     let scene = Scene {
         film: Film { width: 800, height: 600, spp, depth: 12, bits: 8, exposure: 1.0 },
@@ -87,6 +88,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         lights,
         objects: objects.into(),
         materials,
+        section: Vec::new(),
     };
     let start = Instant::now();
     let picture = render(&scene, &Settings { threads, seed: 0 }, &())?;

@@ -68,34 +68,42 @@ impl Statistics {
     }
 }
 
+/// A body of glass that a path is inside of.
+#[derive(Clone, Copy, Debug, Default)]
+struct Medium {
+    thing: u32,
+    /// The glass that was met on the way in.
+    finish: u32,
+}
+
 /// The bodies of glass that a path is inside of, in the order of entering.
 #[derive(Clone, Copy, Debug, Default)]
 struct Media {
-    inside: [u32; MAX_NESTED],
+    inside: [Medium; MAX_NESTED],
     len: usize,
 }
 
 impl Media {
-    fn entered(mut self, thing: u32) -> Self {
+    fn entered(mut self, medium: Medium) -> Self {
         if self.len < MAX_NESTED {
-            self.inside[self.len] = thing;
+            self.inside[self.len] = medium;
             self.len += 1;
         }
         self
     }
 
     fn left(mut self, thing: u32) -> Self {
-        if let Some(i) = self.inside[..self.len].iter().rposition(|&t| t == thing) {
+        if let Some(i) = self.inside[..self.len].iter().rposition(|m| m.thing == thing) {
             self.inside.copy_within(i + 1..self.len, i);
             self.len -= 1;
         }
         self
     }
 
-    /// The body whose material fills the place: the one entered last.
+    /// The finish that fills the place: that of the body entered last.
     #[inline]
     fn top(&self) -> Option<u32> {
-        self.len.checked_sub(1).map(|i| self.inside[i])
+        self.len.checked_sub(1).map(|i| self.inside[i].finish)
     }
 }
 
@@ -171,17 +179,17 @@ impl Tracer<'_> {
             return world.sky.radiance(ray.direction);
         };
         let faded = match path.media.top() {
-            Some(thing) => {
-                let (absorption, _) = world.glass(thing);
-                absorption.map(|a| (-a * contact.hit.t).exp())
+            Some(finish) => {
+                let (absorption, _) = world.glass(finish);
+                absorption.map(|a| (-a * contact.t).exp())
             }
             None => Rgb::WHITE,
         };
         path.weight *= faded.max_channel();
-        let (finish, solid) = match world.role(contact.thing) {
+        let (finish, solid) = match world.met(ray, &contact) {
             Role::Lamp(lamp) => {
                 let lamp = &world.lamps[lamp as usize];
-                let pdf = lamp.pdf(ray.origin, ray.direction, contact.hit.t);
+                let pdf = lamp.pdf(ray.origin, ray.direction, contact.t);
                 return lamp.radiance() * faded * power_heuristic(path.pdf, pdf);
             }
             Role::Surface { finish, solid } => (finish, solid),
@@ -223,7 +231,10 @@ impl Tracer<'_> {
                 sum
             }
             Finish::Mirror { color } => self.mirror(&place, color, surface.uv),
-            Finish::Glass { ior, .. } if solid => self.glass(&place, contact.thing, *ior, entering),
+            Finish::Glass { .. } if solid => {
+                let medium = Medium { thing: contact.thing, finish };
+                self.glass(&place, medium, entering)
+            }
             Finish::Glass { ior, .. } => self.sheet(&place, *ior),
         };
         if path.blurred {
@@ -252,10 +263,11 @@ impl Tracer<'_> {
     }
 
     /// A boundary of a body of glass.
-    fn glass(&mut self, place: &Place<'_>, thing: u32, ior: f64, entering: bool) -> Rgb {
+    fn glass(&mut self, place: &Place<'_>, medium: Medium, entering: bool) -> Rgb {
         let media = place.path.media;
-        let index = |media: &Media| media.top().map_or(1.0, |thing| self.world.glass(thing).1);
-        let beyond = if entering { media.entered(thing) } else { media.left(thing) };
+        let (_, ior) = self.world.glass(medium.finish);
+        let index = |media: &Media| media.top().map_or(1.0, |finish| self.world.glass(finish).1);
+        let beyond = if entering { media.entered(medium) } else { media.left(medium.thing) };
         let before = match media.top() {
             // A camera within the glass: the path has never entered what it leaves.
             None if !entering => ior,

@@ -1,22 +1,24 @@
 //! From a [`Scene`](rondure_scene::Scene) to a [`Picture`], in the manner of Whitted: direct light
 //! with shadows, highlights, reflection and refraction.
 //!
-//! [`render()`] takes the scene; [`Picture::write_png`] writes what comes out. The light goes this
-//! way: `sampler`, `filter` and `camera` make a ray; `world` finds what it meets, through `things` and
-//! `shape`; `integrator` adds up the light there from `light` by the laws of `finish`, `coat` and
-//! `fresnel`; `render` gathers the samples, and `tone` and `picture` make a file of them.
+//! [`render()`] takes the scene; [`Picture::write_png`] writes what comes out. `gather` takes the objects.
+//! The light goes this way: `sampler`, `filter` and `camera` make a ray; `world` finds what it meets, through
+//! `things`, `bodies` and `shape`; `integrator` adds up the light there from `light` by the laws of `finish`,
+//! `coat` and `fresnel`; `render` gathers the samples, and `tone` and `picture` make a file of them.
 
 #![allow(
     clippy::neg_cmp_op_on_partial_ord,
     reason = "`!(a > b)` counts a NaN as no, which is what the numbers of rays need"
 )]
 
+mod bodies;
 mod camera;
 mod coat;
 mod color;
 mod filter;
 mod finish;
 mod fresnel;
+mod gather;
 mod integrator;
 mod light;
 mod picture;

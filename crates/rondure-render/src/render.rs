@@ -99,6 +99,14 @@ pub enum RenderError {
         /// Why not.
         source: rondure::PlaceError,
     },
+    /// A solid cannot be made, or not where it is placed or cut.
+    #[error("object {object:?} cannot be made: {source}")]
+    Solid {
+        /// The object's name.
+        object: String,
+        /// Why not.
+        source: rondure::solid::CsgError,
+    },
     /// The objects do not fit into memory.
     #[error("{count} turned objects do not fit into memory; each takes some 300 bytes")]
     OutOfMemory {

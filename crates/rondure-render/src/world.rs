@@ -1,20 +1,20 @@
 //! The world that rays see: things behind trees of boxes, lights and sky.
 //!
-//! Two trees: one over what blocks light, one over what lets it pass, clear glass and lamps.
-
-use std::collections::HashMap;
-use std::sync::Arc;
+//! Two trees: one over what blocks light, one over what lets it pass, clear glass and lamps. Bodies,
+//! which may be of several materials, have a third.
 
 use rondure::{Bounds, Bvh, Hit, Interaction, Ray};
-use rondure_scene::{Light, Object, Scene, Shape as Described};
+use rondure_scene::{Light, Scene, Shape as Described};
 
 use crate::{
     RenderError,
+    bodies::{Bodies, Place},
     color::Rgb,
     finish::Finish,
     fresnel,
+    gather::{Gathered, materials},
     light::{Heaven, Lamp},
-    shape::{Disk, Plane, Rectangle, Shape, Sphere},
+    shape::{Disk, Shape, Sphere},
     things::Things,
 };
 
@@ -30,8 +30,17 @@ pub(crate) enum Role {
 /// Where a ray meets the world.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Contact {
+    /// The number of the thing, or behind all things that of the body.
     pub(crate) thing: u32,
-    pub(crate) hit: Hit,
+    pub(crate) t: f64,
+    on: On,
+}
+
+/// What a contact is on.
+#[derive(Clone, Copy, Debug)]
+enum On {
+    Thing(Hit),
+    Body(Place),
 }
 
 /// Everything that rays ask about a scene.
@@ -50,81 +59,28 @@ pub(crate) struct World {
     pub(crate) brightest: f64,
     blocking: Bvh,
     passing: Bvh,
+    bodies: Option<Bodies>,
     has_glass: bool,
-}
-
-/// Gathers the things of a scene.
-#[derive(Default)]
-struct Builder {
-    things: Things,
-    /// The numbers of the surfaces that are known.
-    surfaces: HashMap<*const rondure::Surface, u32>,
-    turned_roles: Vec<u32>,
-    simple_roles: Vec<u32>,
-}
-
-impl Builder {
-    fn add(&mut self, object: &Object, role: u32) -> Result<(), RenderError> {
-        let Described::Turned(instance) = &object.shape else {
-            for shape in object.shapes().flatten() {
-                let shape = match shape {
-                    Described::Turned(_) => continue,
-                    Described::Plane { point, normal } => Shape::Plane(Plane::new(point, normal)),
-                    Described::Disk { center, normal, radius } => {
-                        Shape::Disk(Disk::new(center, normal, radius))
-                    }
-                    Described::Rectangle { center, edges } => {
-                        Shape::Rectangle(Rectangle::new(center, edges))
-                    }
-                    Described::Sphere { center, radius } => {
-                        Shape::Sphere(Sphere::new(center, radius))
-                    }
-                };
-                self.add_simple(shape, role);
-            }
-            return Ok(());
-        };
-        let turned = &mut self.things.turned;
-        let surface = instance.surface();
-        let known = self.surfaces.entry(Arc::as_ptr(surface));
-        let shape = *known.or_insert_with(|| turned.add_shape(Arc::clone(surface)));
-        for motion in object.motions() {
-            turned
-                .place(shape, motion.map.after(instance.placement()))
-                .map_err(|source| RenderError::Placement { object: object.name.clone(), source })?;
-        }
-        self.turned_roles.resize(turned.len(), role);
-        Ok(())
-    }
-
-    /// Makes room for so many turned things.
-    fn reserve(&mut self, count: u64) -> Option<()> {
-        let count = usize::try_from(count).ok()?;
-        self.things.turned.try_reserve(count).ok()?;
-        self.turned_roles.try_reserve_exact(count).ok()
-    }
-
-    fn add_simple(&mut self, shape: Shape, role: u32) {
-        self.things.simple.push(shape);
-        self.simple_roles.push(role);
-    }
 }
 
 impl World {
     pub(crate) fn new(scene: &Scene) -> Result<Self, RenderError> {
-        let mut builder = Builder::default();
+        let mut builder = Gathered::default();
         let turned = scene.objects.iter().filter(|o| matches!(o.shape, Described::Turned(_)));
         let count = turned.map(|o| o.copies.count()).fold(0, u64::saturating_add);
         builder.reserve(count).ok_or(RenderError::OutOfMemory { count })?;
         for (object, role) in scene.objects.iter().zip(0..) {
-            if object.material >= scene.materials.len() {
-                return Err(RenderError::NoSuchMaterial {
-                    object: object.name.clone(),
-                    material: object.material,
-                    materials: scene.materials.len(),
-                });
+            for material in materials(object).chain(scene.section.iter().filter_map(|s| s.material))
+            {
+                if material >= scene.materials.len() {
+                    return Err(RenderError::NoSuchMaterial {
+                        object: object.name.clone(),
+                        material,
+                        materials: scene.materials.len(),
+                    });
+                }
             }
-            builder.add(object, role)?;
+            builder.add(object, role, &scene.section)?;
         }
         for (light, role) in scene.lights.iter().zip(scene.objects.len() as u32..) {
             let shape = match *light {
@@ -136,16 +92,17 @@ impl World {
             };
             builder.add_simple(shape, role);
         }
-        let Builder { things, turned_roles: mut role_of, simple_roles, .. } = builder;
+        let Gathered { things, turned_roles: mut role_of, simple_roles, bodies, .. } = builder;
         role_of.extend(simple_roles);
         let finishes: Vec<_> = scene.materials.iter().map(Finish::new).collect();
+        let bodies = bodies.build(&finishes)?;
         let mut roles: Vec<_> = scene
             .objects
             .iter()
             .map(|object| Role::Surface { finish: object.material as u32, solid: false })
             .collect();
         roles.extend((0..scene.lights.len() as u32).map(Role::Lamp));
-        let mut has_glass = false;
+        let mut has_glass = bodies.as_ref().is_some_and(Bodies::has_clear);
         for (thing, &role) in (0..).zip(&role_of) {
             if let Role::Surface { finish, solid } = &mut roles[role as usize] {
                 *solid = things.is_solid(thing);
@@ -180,13 +137,31 @@ impl World {
             brightest: brightest.max(white),
             blocking,
             passing,
+            bodies,
             has_glass,
         })
     }
 
     #[inline]
-    pub(crate) fn role(&self, thing: u32) -> Role {
+    fn role(&self, thing: u32) -> Role {
         self.roles[self.role_of[thing as usize] as usize]
+    }
+
+    /// What a ray meets at a contact.
+    #[inline]
+    pub(crate) fn met(&self, ray: &Ray, contact: &Contact) -> Role {
+        match (&contact.on, &self.bodies) {
+            (On::Body(place), Some(bodies)) => {
+                let body = self.body(contact);
+                let finish = bodies.finish_at(body, place, ray.at(contact.t));
+                Role::Surface { finish, solid: bodies.is_solid(body) }
+            }
+            _ => self.role(contact.thing),
+        }
+    }
+
+    fn body(&self, contact: &Contact) -> u32 {
+        contact.thing - self.things.len() as u32
     }
 
     #[inline]
@@ -194,41 +169,50 @@ impl World {
         &self.finishes[finish as usize]
     }
 
-    /// The absorption and the index of refraction inside a thing of glass.
+    /// The absorption and the index of refraction of glass.
     #[inline]
-    pub(crate) fn glass(&self, thing: u32) -> (Rgb, f64) {
-        match self.role(thing) {
-            Role::Surface { finish, .. } => match *self.finish(finish) {
-                Finish::Glass { absorption, ior } => (absorption, ior),
-                _ => (Rgb::BLACK, 1.0),
-            },
-            Role::Lamp(_) => (Rgb::BLACK, 1.0),
+    pub(crate) fn glass(&self, finish: u32) -> (Rgb, f64) {
+        match *self.finish(finish) {
+            Finish::Glass { absorption, ior } => (absorption, ior),
+            _ => (Rgb::BLACK, 1.0),
         }
     }
 
     #[inline]
     pub(crate) fn interaction(&self, ray: &Ray, contact: &Contact) -> Interaction {
-        self.things.interaction(contact.thing, ray, &contact.hit)
+        match (&contact.on, &self.bodies) {
+            (On::Body(place), Some(bodies)) => bodies.interaction(self.body(contact), ray, place),
+            (On::Body(_), None) => unreachable!("a contact with a body of another world"),
+            (On::Thing(hit), _) => self.things.interaction(contact.thing, ray, hit),
+        }
     }
 
     /// The first thing that the ray meets; of several at the same place the one with the smallest
     /// number.
     #[inline]
     pub(crate) fn closest(&self, ray: &Ray) -> Option<Contact> {
-        let mut best: Option<Contact> = None;
+        let mut best: Option<(u32, Hit)> = None;
         let mut shortened = *ray;
         for tree in [&self.blocking, &self.passing] {
             tree.walk(&{ shortened }, |thing| {
                 if let Some(hit) = self.things.closest(thing, &shortened) {
-                    if best.is_none_or(|best| hit.t < best.hit.t || thing < best.thing) {
-                        best = Some(Contact { thing, hit });
+                    if best.is_none_or(|best| hit.t < best.1.t || thing < best.0) {
+                        best = Some((thing, hit));
                     }
                     shortened.t_max = hit.t;
                 }
                 shortened.t_max
             });
         }
-        best
+        let thing = best.map(|(thing, hit)| Contact { thing, t: hit.t, on: On::Thing(hit) });
+        let Some(bodies) = &self.bodies else { return thing };
+        match bodies.closest(&mut shortened) {
+            Some((body, t, place)) if thing.is_none_or(|thing| t < thing.t) => {
+                let number = self.things.len() as u32 + body;
+                Some(Contact { thing: number, t, on: On::Body(place) })
+            }
+            _ => thing,
+        }
     }
 
     /// Whether something that is not clear stands in the ray's range. Lamps never do.
@@ -239,7 +223,7 @@ impl World {
             blocked = self.things.any(thing, ray);
             if blocked { f64::NEG_INFINITY } else { ray.t_max }
         });
-        blocked
+        blocked || self.bodies.as_ref().is_some_and(|b| b.blocks(ray, &self.finishes))
     }
 
     /// The share of the light that passes along the ray's range: none if something opaque is in the
@@ -274,8 +258,8 @@ impl World {
             if hits.is_empty() {
                 return;
             }
-            let (absorption, ior) = self.glass(thing);
-            let solid = matches!(self.role(thing), Role::Surface { solid: true, .. });
+            let Role::Surface { finish, solid } = self.role(thing) else { return };
+            let (absorption, ior) = self.glass(finish);
             for hit in &hits {
                 let cos = self.things.normal(thing, ray, hit).dot(ray.direction);
                 // Seen from the air on both sides: straight through a pane, that is the truth.
@@ -294,6 +278,11 @@ impl World {
         if ray.t_max < f64::INFINITY {
             depth += open.map(|v| v.max(0.0)) * ray.t_max;
         }
+        if let Some(bodies) = &self.bodies {
+            let (share, more) = bodies.clear(ray, &self.finishes);
+            passed *= share;
+            depth = depth.map(|v| v.max(0.0)) + more;
+        }
         depth.map(|v| (-v.max(0.0)).exp()) * passed
     }
 }
@@ -303,7 +292,7 @@ mod tests {
     use std::sync::Arc;
 
     use rondure::{Affine, Instance, Profile, Surface, Vec3};
-    use rondure_scene::{Copies, Shape as Described};
+    use rondure_scene::{Copies, Cut, Object, Shape as Described};
 
     use super::*;
     use crate::{
@@ -329,10 +318,11 @@ mod tests {
 
     /// The shape as the only thing.
     fn alone(shape: &Described) -> Things {
-        let mut builder = Builder::default();
+        let mut builder = Gathered::default();
         let copies = Copies::default();
-        let object = Object { name: String::new(), shape: shape.clone(), material: 0, copies };
-        builder.add(&object, 0).unwrap();
+        let (shape, section) = (shape.clone(), Cut::default());
+        let object = Object { name: String::new(), shape, material: 0, copies, section };
+        builder.add(&object, 0, &[]).unwrap();
         builder.things
     }
 

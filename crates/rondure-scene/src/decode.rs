@@ -232,6 +232,10 @@ impl<'a> Value<'a> {
         self.inner.get_ref().is_array()
     }
 
+    pub(crate) fn is_boolean(&self) -> bool {
+        self.inner.get_ref().is_bool()
+    }
+
     pub(crate) fn is_table(&self) -> bool {
         self.inner.get_ref().is_table()
     }
@@ -262,6 +266,14 @@ impl<'a> Value<'a> {
             }
             Some(x) => Some(x),
             None => self.fail(format!("`{}` is too large a number", self.key)),
+        }
+    }
+
+    /// `true` or `false`.
+    pub(crate) fn boolean(&self) -> Option<bool> {
+        match self.inner.get_ref() {
+            DeValue::Boolean(b) => Some(*b),
+            _ => self.wrong_type("true or false"),
         }
     }
 

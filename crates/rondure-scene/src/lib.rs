@@ -3,6 +3,7 @@
 //! [`read_scene`] reads a scene with all that it refers to, [`read_profile`] a profile alone. Both
 //! collect all that is wrong before they give up.
 
+mod body;
 mod color;
 mod copies;
 mod decode;
@@ -13,6 +14,7 @@ mod model;
 mod profile;
 mod scene;
 
+pub use body::{Body, Cut, Section};
 pub use copies::{Area, Copies, Motion, Pattern, Series, Variation};
 pub use diagnostic::{Diagnostic, Label, Report, Severity, Source};
 pub use file::LARGEST_FILE;

@@ -3,9 +3,9 @@
 //! This tree is the border between reading and rendering. Lengths are in scene units, angles in
 //! radians, colours linear Rec. 709 (sRGB primaries, no transfer curve).
 
-use rondure::{Instance, Vec3};
+use rondure::{Instance, Vec3, solid::Sweep};
 
-use crate::{Copies, Motion};
+use crate::{Body, Copies, Cut, Motion, Section};
 
 /// A linear colour or a radiance: red, green, blue.
 pub type Color = [f64; 3];
@@ -25,6 +25,9 @@ pub struct Scene {
     pub objects: Vec<Object>,
     /// The materials that the objects refer to.
     pub materials: Vec<Material>,
+    /// The planes that cut the scene open: what lies in front of all of them is taken away. Empty if it
+    /// is not cut.
+    pub section: Vec<Section>,
 }
 
 /// The picture's size and quality.
@@ -154,6 +157,8 @@ pub struct Object {
     pub material: usize,
     /// Where its copies stand; it stands only there.
     pub copies: Copies,
+    /// What the section does to it.
+    pub section: Cut,
 }
 
 impl Object {
@@ -204,13 +209,25 @@ pub enum Shape {
         /// The radius.
         radius: f64,
     },
+    /// A turned surface over a part of the turn, closed by nothing.
+    Swept {
+        /// The whole surface.
+        instance: Instance,
+        /// The part, in the surface's own frame.
+        sweep: Sweep,
+    },
+    /// A solid made of others; a solid swept over a part of the turn; a box or a half space.
+    Body(Body),
 }
 
 impl Shape {
     /// The point of the shape that its object's `position` names.
     pub fn position(&self) -> Vec3 {
         match *self {
-            Self::Turned(ref instance) => instance.placement().translation,
+            Self::Turned(ref instance) | Self::Swept { ref instance, .. } => {
+                instance.placement().translation
+            }
+            Self::Body(ref body) => body.placement.translation,
             Self::Plane { point, .. } => point,
             Self::Disk { center, .. }
             | Self::Rectangle { center, .. }
@@ -222,11 +239,17 @@ impl Shape {
     pub fn moved(&self, &Motion { ref map, scale }: &Motion) -> Option<Self> {
         // Unit vectors stay so: the motion stretches them by the scale.
         let turned = |normal: Vec3| map.vector(normal) / scale;
+        let placed = |instance: &Instance| {
+            Instance::new(instance.surface().clone(), map.after(instance.placement()))
+        };
         Some(match *self {
-            Self::Turned(ref instance) => Self::Turned(Instance::new(
-                instance.surface().clone(),
-                map.after(instance.placement()),
-            )?),
+            Self::Turned(ref instance) => Self::Turned(placed(instance)?),
+            Self::Swept { ref instance, sweep } => {
+                Self::Swept { instance: placed(instance)?, sweep }
+            }
+            Self::Body(ref body) => {
+                Self::Body(Body { placement: map.after(&body.placement), ..body.clone() })
+            }
             Self::Plane { point, normal } => {
                 Self::Plane { point: map.point(point), normal: turned(normal) }
             }

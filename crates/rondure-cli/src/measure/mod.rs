@@ -8,7 +8,6 @@ mod units;
 use std::io::{self, Write};
 
 use clap::Args;
-use rondure::Instance;
 use rondure_scene::{Object, Shape};
 
 use self::{
@@ -65,6 +64,8 @@ What is measured:
   inertia    about axes through the centroid parallel to x, y and z; of density 1 if none is given
   capacity   of a vessel that stands upright: what it holds when liquid is poured in along its axis,
              up to the brim. Pockets of air that cannot escape stay empty.
+
+  Of scenes: turned objects that go all the way round, whole, even where a section cuts them.
 
 Units:
   Everything is in the unit of the profile or the scene. With --in, liquid is told in ml or l, mass
@@ -145,7 +146,7 @@ impl Measure {
         }
         let path = self.profile.path();
         let scene = scene::read(path)?;
-        let turned = scene.objects.iter().flat_map(turned_copies);
+        let turned = scene.objects.iter().flat_map(copies);
         let turned: Vec<_> = match &self.object {
             None => turned.collect(),
             Some(name) => {
@@ -156,7 +157,7 @@ impl Measure {
         };
         let mut measurer = Measurer::default();
         let objects: Vec<_> =
-            turned.iter().map(|(name, instance)| measurer.object(name, instance)).collect();
+            turned.iter().map(|(name, shape)| measurer.shape(name, shape)).collect();
         if self.json {
             let objects = objects.iter().map(|measured| {
                 let mut fields = vec![("name", measured.name.as_str().into())];
@@ -264,12 +265,14 @@ fn unknown<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> Failure {
     Failure::new(format!("no turned object is called `{name}`"), &help)
 }
 
-/// The copies of an object, if it is a turned one, numbered if there are several.
-fn turned_copies(object: &Object) -> impl Iterator<Item = (String, Instance)> + '_ {
+/// The copies of an object, if it is a turned one or made of such, numbered if there are several.
+fn copies(object: &Object) -> impl Iterator<Item = (String, Shape)> + '_ {
     let several = object.copies.count() > 1;
     let name = move |i| if several { format!("{} #{i}", object.name) } else { object.name.clone() };
     (1..).zip(object.shapes()).filter_map(move |(i, shape)| match shape {
-        Some(Shape::Turned(instance)) => Some((name(i), instance)),
+        Some(shape @ (Shape::Turned(_) | Shape::Swept { .. } | Shape::Body(_))) => {
+            Some((name(i), shape))
+        }
         _ => None,
     })
 }

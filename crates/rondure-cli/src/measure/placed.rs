@@ -13,6 +13,8 @@ use rondure::{
     profile::PlaneMap,
 };
 
+use rondure_scene::Shape;
+
 use super::units::digits;
 
 /// What is known about a thing. In place of what is not, stands the reason.
@@ -53,6 +55,18 @@ pub(super) struct PlacedCavity {
     cavity: Cavity,
     scale: f64,
     z: f64,
+}
+
+impl Measured {
+    /// A thing of which nothing is known, and why.
+    fn unknown(name: &str, reason: &str) -> Self {
+        Self {
+            name: name.into(),
+            sheet: Err(reason.into()),
+            solid: Err(reason.into()),
+            cavity: Err(reason.into()),
+        }
+    }
 }
 
 impl PlacedCavity {
@@ -179,7 +193,15 @@ pub(super) struct Measurer {
 }
 
 impl Measurer {
-    pub(super) fn object(&mut self, name: &str, instance: &Instance) -> Measured {
+    pub(super) fn shape(&mut self, name: &str, shape: &Shape) -> Measured {
+        match shape {
+            Shape::Turned(instance) => self.object(name, instance),
+            Shape::Swept { .. } => Measured::unknown(name, NO_WHOLE_TURN),
+            _ => Measured::unknown(name, MADE_OF_OTHERS),
+        }
+    }
+
+    fn object(&mut self, name: &str, instance: &Instance) -> Measured {
         let profile = instance.surface().profile();
         let placement = instance.placement();
         let own = self.measure(profile, 1.0);
@@ -214,6 +236,9 @@ impl Measurer {
     }
 }
 
+const NO_WHOLE_TURN: &str = "only whole turns are measured, and its sweep is a part of one";
+const MADE_OF_OTHERS: &str =
+    "only turned objects are measured, and this is a part of one, or made of several solids";
 const NOT_OF_REVOLUTION: &str =
     "as it is placed it is no surface of revolution: it is stretched unevenly round its axis";
 

@@ -6,7 +6,7 @@
 use rondure::Vec3;
 use rondure_render::{Picture, Settings, render};
 use rondure_scene::{
-    Camera, Copies, Film, Light, Material, Object, Paint, Projection, Scene, Shape, Sky,
+    Camera, Copies, Cut, Film, Light, Material, Object, Paint, Projection, Scene, Shape, Sky,
 };
 
 pub(crate) const BLACK: Sky = Sky::Constant { color: [0.0; 3] };
@@ -32,6 +32,7 @@ pub(crate) fn scene(
         lights: Vec::new(),
         objects: Vec::new(),
         materials: Vec::new(),
+        section: Vec::new(),
     }
 }
 
@@ -46,7 +47,13 @@ impl Build for Scene {
     fn with(mut self, shape: Shape, material: Material) -> Self {
         let name = format!("object {}", self.objects.len());
         let index = self.materials.len();
-        self.objects.push(Object { name, shape, material: index, copies: Copies::default() });
+        self.objects.push(Object {
+            name,
+            shape,
+            material: index,
+            copies: Copies::default(),
+            section: Cut::default(),
+        });
         self.materials.push(material);
         self
     }

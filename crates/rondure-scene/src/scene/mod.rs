@@ -4,7 +4,10 @@ mod light;
 mod material;
 mod object;
 mod placement;
+mod section;
 mod shared;
+mod solid;
+mod sweep;
 mod view;
 
 use std::path::Path;
@@ -62,15 +65,16 @@ pub fn parse_scene(name: &str, text: &str, folder: &Path) -> Result<(Scene, Repo
 
 fn decode<'a>(cx: &'a Context<'a>, document: &'a DeTable<'a>, folder: &Path) -> Option<Scene> {
     let root = Table::root(cx, document);
-    let film = view::film(section(&root, "film", "a film"));
+    let film = view::film(part(&root, "film", "a film"));
     let camera = view::camera(root.get("camera"), cx);
-    let sky = light::sky(section(&root, "sky", "a sky"));
+    let sky = light::sky(part(&root, "sky", "a sky"));
     let lights: Vec<_> = match root.get("light") {
         Some(v) => v.tables("light", "a light").into_iter().filter_map(light::light).collect(),
         None => Vec::new(),
     };
-    let mut materials = material::Materials::read(section(&root, "materials", "the materials"));
-    let mut profiles = shared::Profiles::read(section(&root, "profiles", "the profiles"), folder);
+    let mut materials = material::Materials::read(part(&root, "materials", "the materials"));
+    let mut profiles = shared::Profiles::read(part(&root, "profiles", "the profiles"), folder);
+    let section = section::planes(root.get("section"), &mut materials);
     let objects = root.get("object").map_or_else(Vec::new, |v| v.tables("object", "an object"));
     let objects = object::objects(objects, &mut materials, &mut profiles);
     let dark = light::is_dark(&sky, &lights);
@@ -85,10 +89,11 @@ fn decode<'a>(cx: &'a Context<'a>, document: &'a DeTable<'a>, folder: &Path) -> 
             cx.push(warning.help("add a [sky] or a [[light]]"));
         }
     }
-    Some(Scene { film, camera: camera?, sky, lights, objects, materials: materials.finish() })
+    let materials = materials.finish();
+    Some(Scene { film, camera: camera?, sky, lights, objects, materials, section })
 }
 
 /// A table of the scene that may be missing.
-fn section<'a>(root: &Table<'a>, key: &'static str, what: &str) -> Option<Table<'a>> {
+fn part<'a>(root: &Table<'a>, key: &'static str, what: &str) -> Option<Table<'a>> {
     root.get(key).as_ref().and_then(|v: &Value<'a>| v.table(what))
 }

@@ -4,7 +4,13 @@ use std::{collections::HashMap, ops::Range};
 
 use rondure::{Affine, Instance, Vec3};
 
-use super::{material::Materials, placement, shared::Profiles};
+use super::{
+    material::Materials,
+    placement, section,
+    shared::Profiles,
+    solid::{self, Sources},
+    sweep,
+};
 use crate::{
     Copies, Diagnostic, Material, Motion, Object, Shape,
     decode::{Bounds, Context, Table},
@@ -54,14 +60,17 @@ enum Kind {
     Disk,
     Rectangle,
     Sphere,
+    Solid(solid::Kind),
 }
 
-const KINDS: [(&str, Kind); 5] = [
+const KINDS: [(&str, Kind); 7] = [
     ("turned", Kind::Turned),
     ("plane", Kind::Plane),
     ("disk", Kind::Disk),
     ("rectangle", Kind::Rectangle),
     ("sphere", Kind::Sphere),
+    ("box", Kind::Solid(solid::Kind::Box)),
+    ("half-space", Kind::Solid(solid::Kind::HalfSpace)),
 ];
 
 /// An object, the `number`-th of the scene.
@@ -72,7 +81,10 @@ fn object(
     materials: &mut Materials,
     profiles: &mut Profiles,
 ) -> Option<Object> {
+    let is_named = table.has("material");
     let material = materials.find(table.get("material"));
+    // What a solid's own parts inherit.
+    let named = material.filter(|_| is_named);
     let kind = match table.get("type") {
         Some(v) => {
             let kind = v.choice("type of object", &KINDS)?;
@@ -82,16 +94,27 @@ fn object(
             }
             kind
         }
-        None => {
-            table.call("a turned object");
-            Kind::Turned
-        }
+        None => match solid::operation(&table)? {
+            Some(operation) => {
+                table.call("a compound solid");
+                Kind::Solid(solid::Kind::Compound(operation))
+            }
+            None => {
+                table.call("a turned object");
+                Kind::Turned
+            }
+        },
     };
     let copies = placement::copies(&table, number);
     let shape = match kind {
-        Kind::Turned => turned(&table, profiles),
+        Kind::Turned => turned(&table, named, materials, profiles),
+        Kind::Solid(kind) => {
+            let mut sources = Sources { number, materials, profiles };
+            solid::body(&table, kind, named, &mut sources).map(Shape::Body)
+        }
         _ => flat_or_round(&table, kind),
     };
+    let section = section::of_object(&table, materials);
     if let (Some(shape), Some(copies)) = (&shape, &copies) {
         check_sizes(&table, shape, copies);
     }
@@ -99,17 +122,34 @@ fn object(
         warn_about_open_glass(&table, shape, materials.get(material));
     }
     table.finish();
-    Some(Object { name, shape: shape?, material: material?, copies: copies? })
+    let (shape, material, copies) = (shape?, material?, copies?);
+    Some(Object { name, shape, material, copies, section: section? })
 }
 
-fn turned(table: &Table<'_>, profiles: &mut Profiles) -> Option<Shape> {
+/// `named` is the material that the object names, if it does.
+fn turned(
+    table: &Table<'_>,
+    named: Option<usize>,
+    materials: &mut Materials,
+    profiles: &mut Profiles,
+) -> Option<Shape> {
     let surface = table.require("profile").and_then(|v| profiles.find(&v));
-    let placement = placement::placement(table)?;
-    let instance = Instance::new(surface?, placement);
+    let surface = sweep::capped(table, surface, profiles);
+    let sweeping = sweep::sweeping(table, materials);
+    let (surface, placement) = (surface, placement::placement(table)?);
+    let (surface, sweeping) = (surface?, sweeping?);
+    if let Some(closed) = sweeping.as_ref().filter(|s| s.open.is_none()) {
+        return solid::swept(table, &surface, closed, named, placement).map(Shape::Body);
+    }
+    let instance = Instance::new(surface, placement);
     if instance.is_none() {
         report_extreme_placement(table);
     }
-    instance.map(Shape::Turned)
+    let instance = instance?;
+    Some(match sweeping {
+        Some(open) => Shape::Swept { instance, sweep: open.sweep },
+        None => Shape::Turned(instance),
+    })
 }
 
 /// Whether the largest and the smallest copy, too, can be placed.
@@ -119,10 +159,29 @@ fn check_sizes(table: &Table<'_>, shape: &Shape, copies: &Copies) {
     let first = copies.motion(0, position);
     let fits = |scale: f64| {
         let map = first.map.after(&Affine::scale(Vec3::splat(scale / first.scale)));
-        shape.moved(&Motion { map, scale }).is_some()
+        match shape.moved(&Motion { map, scale }) {
+            Some(Shape::Body(body)) => body.placed().build().is_ok(),
+            moved => moved.is_some(),
+        }
     };
+    if let Shape::Body(body) = shape {
+        check_number(table, solid::primitives(&body.csg), copies);
+    }
     if !sizes.into_iter().all(fits) {
         report_extreme_placement(table);
+    }
+}
+
+/// Whether there are not too many copies of a solid made of others.
+fn check_number(table: &Table<'_>, primitives: usize, copies: &Copies) {
+    let count = copies.count().saturating_mul(primitives as u64);
+    if count > solid::MOST_IN_COPIES {
+        let span = table.key_span("repeat").unwrap_or(table.span());
+        table.context().push(
+            Diagnostic::error(format!("the copies of this solid have {count} primitives"))
+                .at(span, "")
+                .help(format!("at most {} can be handled", solid::MOST_IN_COPIES)),
+        );
     }
 }
 
@@ -140,7 +199,7 @@ fn flat_or_round(table: &Table<'_>, kind: Kind) -> Option<Shape> {
     let normal = || table.get("normal").map_or(Some(Vec3::Z), |v| v.direction());
     let radius = || table.require("radius").and_then(|v| v.number(Bounds::POSITIVE));
     match kind {
-        Kind::Turned => None,
+        Kind::Turned | Kind::Solid(_) => None,
         Kind::Plane => position.zip(normal()).map(|(point, normal)| Shape::Plane { point, normal }),
         Kind::Disk => {
             let (normal, radius) = (normal(), radius());
@@ -168,7 +227,9 @@ fn flat_or_round(table: &Table<'_>, kind: Kind) -> Option<Shape> {
 }
 
 fn warn_about_open_glass(table: &Table<'_>, shape: &Shape, material: Option<&Material>) {
-    let (Some(Material::Glass { .. }), Shape::Turned(instance)) = (material, shape) else {
+    let (Some(Material::Glass { .. }), Shape::Turned(instance) | Shape::Swept { instance, .. }) =
+        (material, shape)
+    else {
         return;
     };
     if !instance.surface().profile().bounds_solid() {
@@ -177,6 +238,13 @@ fn warn_about_open_glass(table: &Table<'_>, shape: &Shape, material: Option<&Mat
             Diagnostic::warning("this glass has no inside: its profile is open")
                 .at(span, "neither closed nor with both ends on the axis")
                 .help("draw the thickness of the glass too, or close the profile with Z"),
+        );
+    } else if matches!(shape, Shape::Swept { .. }) {
+        let span = table.key_span("sweep").unwrap_or(table.span());
+        table.context().push(
+            Diagnostic::warning("this glass has no inside: its sweep is left open")
+                .at(span, "")
+                .help("without `open` the sweep is closed by its two plane faces"),
         );
     }
 }

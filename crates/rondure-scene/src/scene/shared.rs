@@ -17,6 +17,8 @@ use crate::{
 /// The profiles of a scene.
 pub(super) struct Profiles {
     named: Vec<Named>,
+    /// Surfaces that were capped, and what came of them.
+    capped: Vec<[Arc<Surface>; 2]>,
     folder: PathBuf,
 }
 
@@ -35,7 +37,17 @@ impl Profiles {
             let surface = profile(&value, folder).map(|p| Arc::new(Surface::new(&p)));
             named.push(Named { name: name.into(), span, surface, used: false });
         }
-        Self { named, folder: folder.into() }
+        Self { named, capped: Vec::new(), folder: folder.into() }
+    }
+
+    /// The surface of the same profile with its ends joined to the axis.
+    pub(super) fn capped(&mut self, surface: &Arc<Surface>) -> Arc<Surface> {
+        if let Some([_, known]) = self.capped.iter().find(|[own, _]| Arc::ptr_eq(own, surface)) {
+            return Arc::clone(known);
+        }
+        let capped = Arc::new(Surface::new(&surface.profile().capped()));
+        self.capped.push([Arc::clone(surface), Arc::clone(&capped)]);
+        capped
     }
 
     /// The surface of the profile that a value names or describes.

@@ -105,6 +105,14 @@ impl Compound {
         clip.finish(spans);
     }
 
+    /// The first boundary in the range of a ray, where it comes in or, if it begins inside, goes out.
+    pub fn closest(&self, ray: &Ray) -> Option<Boundary<Face>> {
+        let mut spans = Vec::new();
+        self.spans(ray, &mut spans);
+        let mut ends = spans.iter().flat_map(|span| [span.enter, span.exit]);
+        ends.find(|end| end.wall.is_some())
+    }
+
     /// How many of the first toggles come together: those at the same t, and those at the next t as
     /// long as any two, one of either, may lie at the same place.
     fn together(&self, ray: &Ray, toggles: &[Toggle]) -> usize {
@@ -177,6 +185,15 @@ impl Compound {
             }
         }
         point.is_finite() && self.formula.value(&state)
+    }
+
+    /// Whether a point lies inside the primitive of this index, counted as [`Face::leaf`] does.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such primitive.
+    pub fn leaf_contains(&self, leaf: usize, point: Vec3) -> bool {
+        point.is_finite() && self.leaves[leaf].contains(point)
     }
 
     /// The full answer for a face that this solid reported for this ray; the normal points out of the
