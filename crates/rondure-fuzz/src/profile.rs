@@ -1,6 +1,9 @@
 //! Profiles in all their formats: a good one is within its promises, a bad one gets a report.
 
-use rondure::{Profile, Spline, Surface};
+use rondure::{
+    Profile, Spline, Surface,
+    profile::{Rim, Side, Thickness},
+};
 use rondure_scene::{ProfileFormat, ProfileOptions, Unit, parse_profile};
 
 use crate::check_report;
@@ -11,7 +14,11 @@ pub fn profile(data: &[u8]) {
     let Ok(text) = core::str::from_utf8(rest) else { return };
     let (format, options) = choose(choice);
     match parse_profile("fuzz", text, format, &options) {
-        Ok(profile) => check(&profile),
+        Ok(profile) => {
+            check(&profile);
+            let wall = options.thickness.is_some();
+            assert!(!wall || profile.bounds_solid(), "an open wall: {profile:?}");
+        }
         Err(report) => {
             assert!(report.errors() > 0, "refused without an error");
             check_report(&report);
@@ -22,6 +29,12 @@ pub fn profile(data: &[u8]) {
 fn choose(choice: u8) -> (ProfileFormat, ProfileOptions) {
     let bit = |n: u32| choice >> n & 1 == 1;
     let mut options = ProfileOptions { scale: bit(7).then_some(0.3), ..Default::default() };
+    if choice & 3 == 1 {
+        let side = [Side::Inward, Side::Outward, Side::Centered, Side::Inward][usize::from(choice >> 2 & 3)];
+        let rim = if bit(4) { Rim::Round } else { Rim::Flat };
+        let thickness = if bit(5) { 0.02 } else { 0.3 };
+        options.thickness = Some(Thickness { thickness, side, rim });
+    }
     let format = match choice & 3 {
         0 | 1 => ProfileFormat::PathData,
         2 => {

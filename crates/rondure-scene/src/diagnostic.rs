@@ -209,11 +209,12 @@ impl Report {
             Severity::Warning => Level::WARNING,
         };
         let labels = |i: usize| diagnostic.labels.iter().filter(move |l| l.source == i);
-        let show = |(i, source): (usize, &Source)| {
-            let window = lines_round(&source.text, labels(i).filter_map(|l| l.span.as_ref()))?;
-            Some((without_c1(&source.text[window.clone()]), window))
-        };
-        let shown: Vec<_> = self.sources.iter().enumerate().map(show).collect();
+        // What is drawn borrows the texts.
+        let mut shown = Vec::new();
+        for (i, source) in self.sources.iter().enumerate() {
+            let window = lines_round(&source.text, labels(i).filter_map(|l| l.span.as_ref()));
+            shown.push(window.map(|w| (without_c1(&source.text[w.clone()]), w)));
+        }
         let mut group = Group::with_title(level.primary_title(&*diagnostic.message));
         let mut drawn = Vec::new();
         for label in &diagnostic.labels {

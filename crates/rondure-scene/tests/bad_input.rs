@@ -24,7 +24,7 @@ fn every_bad_file() -> Result<(), Box<dyn Error>> {
         .map(|entry| Ok(entry?.path()))
         .collect::<Result<Vec<_>, std::io::Error>>()?;
     paths.sort();
-    assert!(paths.len() >= 45, "{} files", paths.len());
+    assert!(paths.len() >= 46, "{} files", paths.len());
     for path in paths {
         let report = read(&path);
         assert!(report.errors() > 0);

@@ -129,25 +129,32 @@ impl fmt::Display for ProfileError {
             }
             ProfileErrorKind::WallFolds { point, s, radius, distance } => write!(
                 f,
-                "the wall folds: at r = {}, z = {} (s = {s}) the curve's radius is {radius}, and one side \
-                 of the wall is {distance} away on the inside of the bend",
-                point.r, point.z
+                "the wall folds: at r = {}, z = {} (s = {}) the curve's radius is {}, and one side of \
+                 the wall is {} away on the inside of the bend",
+                short(point.r),
+                short(point.z),
+                short(*s),
+                short(*radius),
+                short(*distance)
             ),
             ProfileErrorKind::WallCorner { point } => write!(
                 f,
                 "the wall folds: beside the corner at r = {}, z = {} it is too thick for the length of \
                  the segment",
-                point.r, point.z
+                short(point.r),
+                short(point.z)
             ),
             ProfileErrorKind::WallCrossesAxis { point } => write!(
                 f,
                 "the wall crosses the axis: one side of it reaches r = {} at z = {}",
-                point.r, point.z
+                short(point.r),
+                short(point.z)
             ),
             ProfileErrorKind::WallOverlaps { point } => write!(
                 f,
                 "the wall overlaps itself: at r = {}, z = {} one side of it lies within another part",
-                point.r, point.z
+                short(point.r),
+                short(point.z)
             ),
             ProfileErrorKind::TooFewPoints { found } => {
                 write!(
@@ -158,6 +165,11 @@ impl fmt::Display for ProfileError {
             }
         }
     }
+}
+
+/// A computed number to six digits.
+fn short(x: f64) -> f64 {
+    format!("{x:.5e}").parse().unwrap_or(x)
 }
 
 impl core::error::Error for ProfileError {}
