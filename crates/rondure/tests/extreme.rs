@@ -176,3 +176,18 @@ fn rays_that_are_not_finite_or_have_no_direction_hit_nothing_and_do_not_panic() 
         }
     }
 }
+
+/// A point whose distance from the axis is a subnormal number has a direction from it all the same.
+#[test]
+fn normals_are_unit_vectors_beside_the_axis() {
+    let cone = Surface::new(&Profile::from_path_data("M 0 0 L 1 0 L 0 2 Z").unwrap());
+    let mut hits = Vec::new();
+    for tiny in [1.4e-322, 5e-324, 3e-310, 1e-300] {
+        cone.all(&Ray::line(Vec3::Z, Vec3::new(tiny, tiny, 3.25)), &mut hits);
+        assert_eq!(hits.len(), 2, "{tiny:e}");
+        for hit in &hits {
+            let at = cone.interaction(&Ray::line(Vec3::Z, Vec3::new(tiny, tiny, 3.25)), hit);
+            assert!((at.normal.length() - 1.0).abs() < 1e-15, "{tiny:e}: {at:?}");
+        }
+    }
+}

@@ -32,7 +32,7 @@ pub(crate) fn thicken(profile: &Profile, wall: &Thickness) -> Result<Profile, Di
             ProfileErrorKind::WallOverlaps { .. } => {
                 "make the wall thinner, or the gap between the parts wider"
             }
-            _ => "the wall must be a profile, too",
+            _ => "the thickness is the distance from one side of the wall to the other",
         };
         Diagnostic::error(error.to_string()).help(help)
     })
