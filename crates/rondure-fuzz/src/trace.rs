@@ -126,7 +126,9 @@ impl Numbers<'_> {
             direction = direction - origin;
         }
         let ray = Ray::line(origin, direction);
-        Ok(if kind & 2 == 2 { ray.with_range(self.number()?, self.number()?) } else { ray })
+        // Subnormal numbers round more coarsely than is promised of t.
+        let mut end = || self.number().map(|t| if t.is_subnormal() { 0.0 } else { t });
+        Ok(if kind & 2 == 2 { ray.with_range(end()?, end()?) } else { ray })
     }
 }
 

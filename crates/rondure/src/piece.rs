@@ -47,6 +47,7 @@ impl Piece {
     }
 
     /// The same piece, lower by `z`.
+    #[cfg(test)]
     pub(crate) fn lowered(&self, z: f64) -> Self {
         Self { z: self.z.map(|own| own - z), ..*self }
     }
