@@ -17,7 +17,7 @@
 //! beside s*, and so has F.
 
 use crate::meridian::Meridian;
-use crate::numeric::{UNIT_ROUNDOFF, gamma};
+use crate::numeric::{UNIT_ROUNDOFF, difference_of_products, gamma};
 use crate::piece::{Kind, Piece};
 
 /// Reports every hit of the whole line on a piece, as (s, t), in no particular order.
@@ -284,10 +284,11 @@ impl Stretch {
     }
 
     /// c1^2 - c0 c2 on a straight stretch. Lagrange's identity for the form F brings it to terms that
-    /// cancel only where the ray is tangent to the cone.
+    /// cancel only where the ray is tangent to the cone. The cross product must not be rounded to the size of
+    /// its terms: on a segment of length l that would move the roots as if F were off by u R^3 / l.
     fn discriminant(&self, ray: &Meridian) -> f64 {
         let ([x0, .., x1], [r0, .., r1]) = (self.x, self.r);
-        let (dx, dr, cross) = (x1 - x0, r1 - r0, x0 * r1 - x1 * r0);
+        let (dx, dr, cross) = (x1 - x0, r1 - r0, difference_of_products(x0, r1, x1, r0));
         ray.eta * (cross * cross) + ray.kappa() * (ray.eta * (dr * dr) - dx * dx)
     }
 
