@@ -56,8 +56,7 @@ pub struct Soak {
 ///
 /// None, as long as the profiles in the repository are sound.
 pub fn soak(plan: &Soak, told: &(dyn Fn(u64) + Sync)) -> Result<Tally, ProfileError> {
-    let fixed: Vec<Profile> =
-        shapes()?.into_iter().map(|s| s.profile).filter(Profile::bounds_solid).collect();
+    let fixed = fixed()?;
     let profiles = plan.rays.div_ceil(RAYS_PER_PROFILE);
     let share = plan.compared as f64 / plan.rays.max(1) as f64;
     let (next, total) = (AtomicU64::new(0), Mutex::new(Tally { strict: true, ..Tally::default() }));
@@ -83,6 +82,23 @@ pub fn soak(plan: &Soak, told: &(dyn Fn(u64) + Sync)) -> Result<Tally, ProfileEr
     Ok(total.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 
+/// The profile that a failure names.
+///
+/// # Errors
+///
+/// None, as long as the profiles in the repository are sound.
+pub fn profile(seed: u64, index: u64) -> Result<Profile, ProfileError> {
+    Ok(closed_profile(&fixed()?, index, &mut random_at(seed, index)))
+}
+
+fn random_at(seed: u64, index: u64) -> Random {
+    Random::new(Random::new(seed ^ index.rotate_left(32)).bits())
+}
+
+fn fixed() -> Result<Vec<Profile>, ProfileError> {
+    Ok(shapes()?.into_iter().map(|s| s.profile).filter(Profile::bounds_solid).collect())
+}
+
 fn one_profile(
     fixed: &[Profile],
     plan: &Soak,
@@ -92,7 +108,7 @@ fn one_profile(
     tally: &mut Tally,
 ) {
     let &Soak { seed, method, .. } = plan;
-    let mut random = Random::new(Random::new(seed ^ index.rotate_left(32)).bits());
+    let mut random = random_at(seed, index);
     let profile = closed_profile(fixed, index, &mut random);
     let options = EngineOptions { method, ..EngineOptions::default() };
     let surface = Arc::new(Surface::with_engine(&profile, &options));
@@ -140,8 +156,8 @@ fn one_profile(
     }
 }
 
-/// Sends a ray on from one of its hits, the same way. It must not hit what it leaves: the same piece, on the
-/// same side of the axis, from the same side of the surface. If it has not as many hits before it as the line
+/// Sends a ray on from one of its hits, the same way. It must not hit what it leaves: the same piece, nearby,
+/// on the same side of the axis, from the same side of the surface. If it has not as many hits before it as the line
 /// has behind that one, the oracle is asked.
 fn send_on(
     target: &Surface,
@@ -160,7 +176,9 @@ fn send_on(
         let again = target.interaction(&on, n);
         let sides = again.normal.dot(on.direction) * at.normal.dot(on.direction);
         let along = again.point.x * at.point.x + again.point.y * at.point.y;
-        sides > 0.0 && along > 0.0
+        // A hit farther on may be the next of many, with a tangency between.
+        let near = n.t * again.normal.dot(on.direction).abs() <= 4.0 * at.error;
+        sides > 0.0 && along > 0.0 && near
     });
     if back {
         tally.stuck += 1;

@@ -461,7 +461,11 @@ impl Oracle {
     /// by a margin within which the surface is taken for that cone.
     fn pole_distance(&self, setup: &Setup, piece: &Piece, end: usize) -> f64 {
         let at = Place::at(piece, IBig::from(end as i64), 0, setup);
-        let (tr, tz) = at.tangent(piece);
+        // The direction of a speck says nothing.
+        let (tr, tz) = match self.beyond(piece, 1 - end).filter(|_| piece.is_speck) {
+            Some((other, end)) => Place::at(other, IBig::from(end as i64), 0, setup).tangent(other),
+            None => at.tangent(piece),
+        };
         let dz = to_f64(&setup.dz, setup.unit_direction);
         let across = to_f64(&setup.a, 2 * setup.unit_direction).sqrt();
         if dz.abs() * tr.abs() > across * (tz.abs() + CONE_MARGIN * (tz.abs() + tr.abs())) {
