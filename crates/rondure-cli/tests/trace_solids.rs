@@ -39,7 +39,10 @@ fn spans_have_both_ends() {
     let text = trace(TORUS, &rays, "--spans");
     let names: Vec<_> = text.lines().next().unwrap().split(',').collect();
     assert_eq!(names.len(), 21);
-    assert_eq!((names[0], names[1], names[11], names[20]), ("ray", "enter_t", "exit_t", "exit_segment"));
+    assert_eq!(
+        (names[0], names[1], names[11], names[20]),
+        ("ray", "enter_t", "exit_t", "exit_segment")
+    );
     let found = table(&text);
     assert_eq!(found.len(), 2);
     for (row, (enter, exit)) in found.iter().zip([(2.0, 4.0), (6.0, 8.0)]) {

@@ -12,8 +12,10 @@ pub use scene::scene;
 pub use trace::trace;
 
 /// All targets, by the name of their folder of seeds.
-pub const TARGETS: [(&str, fn(&[u8])); 3] =
-    [("profile", profile), ("scene", scene), ("trace", trace)];
+pub const TARGETS: [(&str, Target); 3] = [("profile", profile), ("scene", scene), ("trace", trace)];
+
+/// Takes any bytes, and panics if what must hold does not.
+pub type Target = fn(&[u8]);
 
 use rondure_scene::Report;
 

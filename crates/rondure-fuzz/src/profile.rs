@@ -30,7 +30,8 @@ fn choose(choice: u8) -> (ProfileFormat, ProfileOptions) {
     let bit = |n: u32| choice >> n & 1 == 1;
     let mut options = ProfileOptions { scale: bit(7).then_some(0.3), ..Default::default() };
     if choice & 3 == 1 {
-        let side = [Side::Inward, Side::Outward, Side::Centered, Side::Inward][usize::from(choice >> 2 & 3)];
+        let side = [Side::Inward, Side::Outward, Side::Centered, Side::Inward]
+            [usize::from(choice >> 2 & 3)];
         let rim = if bit(4) { Rim::Round } else { Rim::Flat };
         let thickness = if bit(5) { 0.02 } else { 0.3 };
         options.thickness = Some(Thickness { thickness, side, rim });

@@ -74,7 +74,11 @@ fn spans(solid: &Solid, ray: &Ray) {
 fn points(solid: &Solid, point: Vec3) {
     let Some(nearest) = solid.nearest(point) else { return };
     assert!(!nearest.distance.is_nan(), "{point:?} {nearest:?}");
-    assert_eq!(nearest.distance < 0.0, solid.contains(point) && nearest.distance != 0.0, "{point:?}");
+    assert_eq!(
+        nearest.distance < 0.0,
+        solid.contains(point) && nearest.distance != 0.0,
+        "{point:?}"
+    );
 }
 
 /// Numbers from bytes: often such as were there before, or their neighbours.

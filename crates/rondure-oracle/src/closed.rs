@@ -14,7 +14,8 @@ use std::sync::{
 };
 
 use rondure::{
-    EngineOptions, FillRule, Hit, Method, Profile, ProfileError, Ray, Segment, Solid, Surface, profile::PlaneMap,
+    EngineOptions, FillRule, Hit, Method, Profile, ProfileError, Ray, Segment, Solid, Surface,
+    profile::PlaneMap,
 };
 
 use crate::{
@@ -182,7 +183,9 @@ fn send_on(
     });
     if back {
         tally.stuck += 1;
-        tally.fail(|| format!("stuck: {on:?}, from {line:?} at {hit:?}\n  found {next:?}\n  {at:?}"));
+        tally.fail(|| {
+            format!("stuck: {on:?}, from {line:?} at {hit:?}\n  found {next:?}\n  {at:?}")
+        });
     } else if next.len() != hits.iter().filter(|h| h.t > hit.t).count() {
         tally.compare(target, oracle, &on, true);
     }

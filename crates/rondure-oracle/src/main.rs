@@ -59,7 +59,8 @@ fn options() -> Result<Options, String> {
         return Err("the commands are soak and agree".into());
     }
     let threads = thread::available_parallelism().map_or(1, usize::from);
-    let mut options = Options { rays: 1_000_000, seed: 1, only: String::new(), threads, method: Method::Wide };
+    let mut options =
+        Options { rays: 1_000_000, seed: 1, only: String::new(), threads, method: Method::Wide };
     while let Some(name) = arguments.next() {
         let value = arguments.next().ok_or(format!("{name} needs a value"))?;
         let number = || value.parse::<f64>().map_err(|_| format!("{name}: {value} is no number"));
@@ -138,7 +139,10 @@ fn closed_profiles(options: &Options) -> bool {
     });
     match outcome {
         Ok(tally) => {
-            println!("{NAME}: {tally}\n  {:.0} rays/s", tally.rays as f64 / start.elapsed().as_secs_f64());
+            println!(
+                "{NAME}: {tally}\n  {:.0} rays/s",
+                tally.rays as f64 / start.elapsed().as_secs_f64()
+            );
             tally.is_clean()
         }
         Err(error) => {

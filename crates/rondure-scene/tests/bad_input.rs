@@ -116,7 +116,8 @@ fn what_could_command_a_terminal_is_not_shown() {
     let report = parse_scene("<scene>", text, Path::new("")).expect_err("good");
     assert!(!report.plain().contains(|c: char| c.is_control() && c != '\n'), "{report}");
     insta::assert_snapshot!("control-characters", report);
-    let svg = "<svg xmlns=\"http://www.w3.org/2000/svg\">\u{9b}31m<path d=\"M 0 0 L 1 x\"/></svg\u{7f}>";
+    let svg =
+        "<svg xmlns=\"http://www.w3.org/2000/svg\">\u{9b}31m<path d=\"M 0 0 L 1 x\"/></svg\u{7f}>";
     for text in [svg, "M 0 0 L 1 \u{9b}31m", "M 0 0 \u{85} \u{7f}"] {
         for format in [ProfileFormat::Svg, ProfileFormat::PathData, ProfileFormat::Csv] {
             let report = options_error(format, text, ProfileOptions::default());

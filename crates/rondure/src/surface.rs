@@ -378,9 +378,8 @@ impl Surface {
 /// The middle of the heights of a profile.
 fn middle(profile: &Profile) -> f64 {
     let ends = profile.segments().flat_map(piece::cut).flat_map(|p| [p.start().z, p.end().z]);
-    let [low, high] = ends.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], z| {
-        [low.min(z), high.max(z)]
-    });
+    let [low, high] =
+        ends.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], z| [low.min(z), high.max(z)]);
     0.5 * low + 0.5 * high
 }
 

@@ -128,10 +128,7 @@ fn corners_are_round_outside_and_sharp_inside() {
     let inward = cup.thickened(&Thickness::new(0.25)).unwrap();
     assert_eq!(inward, draw("M 0 0 H 1 V 2 H 0.75 V 0.25 H 0"));
     let outward = cup.thickened(&wall(0.25, Side::Outward, Rim::Flat)).unwrap();
-    assert_eq!(
-        outward,
-        draw("M 0 -0.25 H 1 A 0.25 0.25 0 0 1 1.25 0 V 2 H 1 V 0 H 0")
-    );
+    assert_eq!(outward, draw("M 0 -0.25 H 1 A 0.25 0.25 0 0 1 1.25 0 V 2 H 1 V 0 H 0"));
     // Rectangles, all four corners.
     let box_ring = draw("M 1 0 H 2 V 1 H 1 Z");
     let shell = box_ring.thickened(&Thickness::new(0.25)).unwrap();
@@ -162,8 +159,7 @@ fn faces_keep_their_distance() {
                 .flat_map(|segment| (1..16).map(move |i| segment.point(f64::from(i) / 16.0)))
                 .map(|p| {
                     let d = distance(&curve, p);
-                    let rim = curve.subpaths()[0].start().r > 0.0 && d.1
-                        || d.2;
+                    let rim = curve.subpaths()[0].start().r > 0.0 && d.1 || d.2;
                     if rim { 0.0 } else { (d.0 - inner).abs().min((d.0 - outer).abs()) }
                 })
                 .fold(0.0, f64::max);

@@ -120,7 +120,6 @@ pub(super) fn jet(segment: &Segment, s: f64) -> Jet {
     Jet { point: segment.point(s), tangent }
 }
 
-
 /// The ranges of s on which one application of the rule integrates moments exactly.
 pub(super) fn steps(segment: &Segment) -> Vec<[f64; 2]> {
     split(segment, &[0.0, 1.0])

@@ -166,19 +166,13 @@ impl Parallel<'_> {
             let count = part.len() - 1;
             let turns = part.iter().flat_map(|v| {
                 let part = &part;
-                (0..count).map(move |i| {
-                    cross(*v, (part[i + 1] - part[i]) * (count as f64 * bend))
-                })
+                (0..count).map(move |i| cross(*v, (part[i + 1] - part[i]) * (count as f64 * bend)))
             });
             let least = turns.map(|turn| self.d * turn).fold(f64::INFINITY, f64::min);
             if slowest > 0.0 && slowest.powi(3) + least > 0.0 {
                 continue;
             }
             if depth == DEEPEST {
-                if excess(&at, self.d) <= 0.0 || slowest <= 0.0 && depth == DEEPEST && speed == 0.0 {
-                    found = Some(middle);
-                    break;
-                }
                 continue;
             }
             waiting.push(([middle, to], depth + 1));

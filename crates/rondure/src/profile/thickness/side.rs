@@ -143,9 +143,13 @@ impl<'a> Traced<'a> {
         }
         let count = parts.len();
         // The joint before each part; that of the first is between it and the last.
-        let mut joints = vec![Joint::None; count];
-        for i in usize::from(!closed)..count {
-            joints[i] = self.join(&mut parts, (i + count - 1) % count, i, d)?;
+        let mut joints = Vec::with_capacity(count);
+        for i in 0..count {
+            joints.push(if closed || i > 0 {
+                self.join(&mut parts, (i + count - 1) % count, i, d)?
+            } else {
+                Joint::None
+            });
         }
         let mut last = Joint::None;
         if matches!(self.ends, Ends::OnAxis | Ends::StartOnAxis) {
@@ -269,7 +273,7 @@ impl<'a> Traced<'a> {
             });
         }
         let parallel = Parallel { segment, d };
-        let cut = first_on_axis(&parallel, s).ok_or_else(|| ProfileError {
+        let cut = first_on_axis(&parallel, s).ok_or(ProfileError {
             kind: ProfileErrorKind::WallCrossesAxis { point: at },
             segment: Some(source),
             span: None,
@@ -288,11 +292,7 @@ fn corner(segment: usize, point: Point) -> ProfileError {
 
 /// Where the end of one parallel crosses the beginning of the next: both parameters and the point. `back` is
 /// how far before the corner that would be if both were straight.
-fn meeting(
-    [one, two]: [Parallel<'_>; 2],
-    back: f64,
-    size: f64,
-) -> Option<(f64, f64, Point)> {
+fn meeting([one, two]: [Parallel<'_>; 2], back: f64, size: f64) -> Option<(f64, f64, Point)> {
     let speed = |p: &Parallel<'_>, s: f64| p.jet(s).map(|(_, v)| v.length());
     let (u, v) = (1.0 - back / speed(&one, 1.0)?, back / speed(&two, 0.0)?);
     let straight = refined([one, two], [u.clamp(0.0, 1.0), v.clamp(0.0, 1.0)], size);
