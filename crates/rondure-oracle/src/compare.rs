@@ -43,7 +43,7 @@ pub fn allowed(hit: &OracleHit, speed: f64, size: f64, reach: f64) -> f64 {
 /// more; in order, if they do not all fit.
 fn pair_up<'a>(
     found: &'a [Hit],
-    expected: &[OracleHit],
+    expected: usize,
     fits: impl Fn(&Hit, usize) -> bool,
 ) -> Vec<(&'a Hit, usize)> {
     let in_order = || found.iter().enumerate().map(|(i, hit)| (hit, i)).collect::<Vec<_>>();
@@ -51,12 +51,12 @@ fn pair_up<'a>(
         return in_order();
     }
     // Those that fit the fewest choose first.
-    let choices = |hit: &Hit| (0..expected.len()).filter(|i| fits(hit, *i)).count();
+    let choices = |hit: &Hit| (0..expected).filter(|i| fits(hit, *i)).count();
     let mut order = in_order();
     order.sort_by_key(|(hit, _)| choices(hit));
-    let mut taken = vec![false; expected.len()];
+    let mut taken = vec![false; expected];
     for (hit, i) in &mut order {
-        let Some(free) = (0..expected.len()).find(|i| !taken[*i] && fits(hit, *i)) else {
+        let Some(free) = (0..expected).find(|i| !taken[*i] && fits(hit, *i)) else {
             return in_order();
         };
         (taken[free], *i) = (true, free);
@@ -246,7 +246,10 @@ impl Tally {
             [ray.t_min, ray.t_max].iter().any(|&end| h.t.distance(end).abs() <= slack(h))
         };
         let at_ends = expected.iter().filter(|h| at_end(h)).count();
-        expected.retain(|h| ray.t_min <= h.t.hi && h.t.hi <= ray.t_max);
+        let within = |h: &OracleHit| ray.t_min <= h.t.hi && h.t.hi <= ray.t_max;
+        let mut candidates = expected.clone();
+        candidates.retain(|h| within(h) || at_end(h));
+        expected.retain(within);
         self.hits += expected.len() as u64;
         let far = if self.strict { 0.0 } else { reach / size * 2f64.powi(-40) };
         let band = TANGENCY_BAND.max(far);
@@ -270,10 +273,10 @@ impl Tally {
             });
             return;
         }
-        let reaches: Vec<f64> = expected.iter().map(|h| allowed(h, speed, size, reach)).collect();
-        let off = |hit: &Hit, i: usize| expected[i].t.distance(hit.t).abs() * speed;
+        let reaches: Vec<f64> = candidates.iter().map(|h| allowed(h, speed, size, reach)).collect();
+        let off = |hit: &Hit, i: usize| candidates[i].t.distance(hit.t).abs() * speed;
         let mut inexact = None;
-        for (hit, i) in pair_up(&found, &expected, |hit, i| off(hit, i) <= reaches[i]) {
+        for (hit, i) in pair_up(&found, candidates.len(), |hit, i| off(hit, i) <= reaches[i]) {
             let (error, ratio) = (off(hit, i), off(hit, i) / reaches[i]);
             if ratio.is_nan() || ratio > 1.0 {
                 inexact.get_or_insert((*hit, error, ratio));
@@ -281,15 +284,16 @@ impl Tally {
             }
             self.worst_forward = self.worst_forward.max(error / size);
             self.worst_of_allowed = self.worst_of_allowed.max(ratio);
-            if expected[i].incidence.min(expected[i].joint_incidence) >= STEEP {
+            if candidates[i].incidence.min(candidates[i].joint_incidence) >= STEEP {
                 self.worst_steep = self.worst_steep.max(error / size);
             }
         }
         // The closest hit comes by another way than all hits do: it is a hit, and none is before it.
         if let Some(closest) = closest {
             let near = |i: usize| off(&closest, i) <= reaches[i];
-            let behind = |i: usize| closest.t <= expected[i].t.hi || near(i);
-            let all = 0..expected.len();
+            let behind =
+                |i: usize| closest.t <= candidates[i].t.hi || near(i) || at_end(&candidates[i]);
+            let all = 0..candidates.len();
             if !(all.clone().any(near) && all.clone().all(behind)) {
                 let error = all.map(|i| off(&closest, i)).fold(f64::INFINITY, f64::min);
                 inexact.get_or_insert((closest, error, f64::NAN));
