@@ -41,11 +41,11 @@ pub fn allowed(hit: &OracleHit, speed: f64, size: f64, reach: f64) -> f64 {
 
 /// Hits with the exact ones that they stand for: the first exact one that fits and that no other needs
 /// more; in order, if they do not all fit.
-fn pair_up<'a>(
-    found: &'a [Hit],
+fn pair_up(
+    found: &[Hit],
     expected: usize,
     fits: impl Fn(&Hit, usize) -> bool,
-) -> Vec<(&'a Hit, usize)> {
+) -> Vec<(&Hit, usize)> {
     let in_order = || found.iter().enumerate().map(|(i, hit)| (hit, i)).collect::<Vec<_>>();
     if in_order().iter().all(|(hit, i)| fits(hit, *i)) {
         return in_order();
