@@ -6,7 +6,10 @@ use clap::{
     Args, ValueEnum,
     builder::{PossibleValuesParser, TypedValueParser},
 };
-use rondure::{Profile, Spline};
+use rondure::{
+    Profile, Spline,
+    profile::{Rim, Side, Thickness},
+};
 use rondure_scene::{ProfileOptions, Unit, read_profile};
 
 use crate::failure::Failure;
@@ -40,7 +43,19 @@ pub(crate) struct ProfileArgs {
     #[arg(long, value_name = "KIND", value_enum, help_heading = SHAPE)]
     spline: Option<SplineName>,
 
-    /// A factor on r and z, after everything else
+    /// Give the curve a wall of this thickness, measured after scaling
+    #[arg(long, value_name = "T", allow_negative_numbers = true, help_heading = SHAPE)]
+    thickness: Option<f64>,
+
+    /// The side of the curve on which the wall is; inward if not given
+    #[arg(long, value_enum, requires = "thickness", help_heading = SHAPE)]
+    side: Option<SideName>,
+
+    /// How the wall ends off the axis; flat if not given
+    #[arg(long, value_enum, requires = "thickness", help_heading = SHAPE)]
+    rim: Option<RimName>,
+
+    /// A factor on r and z, after everything else but the wall
     #[arg(long, value_name = "F", allow_negative_numbers = true, help_heading = SHAPE)]
     scale: Option<f64>,
 }
@@ -65,6 +80,24 @@ impl From<SplineName> for Spline {
             SplineName::CatmullRom => Self::CatmullRom,
         }
     }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+enum SideName {
+    /// Towards the inside: the curve is the outer face
+    Inward,
+    /// Towards the outside: the curve is the inner face
+    Outward,
+    /// Half on either side
+    Centered,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+enum RimName {
+    /// Straight across
+    Flat,
+    /// Half a circle
+    Round,
 }
 
 fn unit_parser() -> impl TypedValueParser<Value = Unit> {
@@ -92,10 +125,21 @@ impl ProfileArgs {
             (self.snap.is_some(), "--snap"),
             (self.unit.is_some(), "--unit"),
             (self.spline.is_some(), "--spline"),
+            (self.thickness.is_some(), "--thickness"),
             (self.scale.is_some(), "--scale"),
         ]
         .into_iter()
         .find_map(|(given, name)| given.then_some(name))
+    }
+
+    fn wall(&self) -> Option<Thickness> {
+        let side = match self.side {
+            Some(SideName::Outward) => Side::Outward,
+            Some(SideName::Centered) => Side::Centered,
+            Some(SideName::Inward) | None => Side::Inward,
+        };
+        let rim = if self.rim == Some(RimName::Round) { Rim::Round } else { Rim::Flat };
+        self.thickness.map(|thickness| Thickness { thickness, side, rim })
     }
 
     /// Reads the profile.
@@ -108,6 +152,7 @@ impl ProfileArgs {
             unit: self.unit,
             scale: self.scale,
             spline: self.spline.map(Spline::from),
+            thickness: self.wall(),
         };
         read_profile(&self.profile, &options).map_err(|report| Failure::Report(report.colored()))
     }

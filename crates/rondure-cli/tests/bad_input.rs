@@ -83,6 +83,13 @@ fn files_of_trace() {
     case("no profile", "trace --rays rays.csv", 2);
     case("no threads", "trace cone.path --rays rays.csv --threads 0", 2);
     case("unknown option", "trace cone.path --rays rays.csv --al", 2);
+    case("two answers", "trace cone.path --rays rays.csv --all --spans", 2);
+    case("fill rule without spans", "trace cone.path --rays rays.csv --fill-rule evenodd", 2);
+    desk.file("line.path", "M 1 0 L 1 2");
+    case("spans of an open profile", "trace line.path --rays rays.csv --spans", 1);
+    case("too thick", "trace line.path --rays rays.csv --thickness 1.5", 1);
+    case("thickness not positive", "trace line.path --rays rays.csv --thickness -1", 1);
+    case("rim without a wall", "trace line.path --rays rays.csv --rim round", 2);
     insta::assert_snapshot!(gallery);
 }
 

@@ -196,7 +196,9 @@ fn numbers_round_trip() {
         expected.extend(hits.iter().map(|hit| {
             let at = surface.interaction(r, hit);
             let [point, normal] = [at.point, at.normal].map(|v| [v.x, v.y, v.z]);
-            Row { ray, t: hit.t, point, normal, uv: at.uv }
+            let enters = at.normal.dot(r.direction) < 0.0;
+            let segment = surface.segment(hit);
+            Row { ray, t: hit.t, point, normal, uv: at.uv, segment, enters }
         }));
     }
     assert!(expected.len() > 500);

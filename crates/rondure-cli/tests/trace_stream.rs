@@ -58,7 +58,7 @@ fn a_partner_may_wait_for_every_answer() {
     let mut input = child.stdin.take().unwrap();
     let mut output = BufReader::new(child.stdout.take().unwrap()).lines();
     input.write_all(HEADER.as_bytes()).unwrap();
-    assert_eq!(output.next().unwrap().unwrap(), "ray,t,x,y,z,nx,ny,nz,u,v");
+    assert_eq!(output.next().unwrap().unwrap(), "ray,t,x,y,z,nx,ny,nz,u,v,segment,enters");
     for number in 0..10 {
         let mut ray = String::new();
         write_ray(&mut ray, number);

@@ -1,7 +1,9 @@
 //! Holding [`Surface`] and [`Instance`] to the oracle.
 //!
 //! Counts must agree unless the line is nearer than [`TANGENCY_BAND`] to having another number of
-//! hits. Where they agree, each t must lie within [`allowed`] of the exact one.
+//! hits. Where they agree, hits and exact hits must go together in pairs, each t within [`allowed`] of
+//! the exact one. Not always in order: a hit of a line that runs along a wall may lie anywhere on the wall,
+//! before or behind another that is known to the last place.
 
 use core::fmt;
 
@@ -16,6 +18,9 @@ pub const TANGENCY_BAND: f64 = 1e-12;
 /// By how many unit roundoffs of the object's size a line may seem to be moved. A hit is then off along
 /// the line by this over the sine of the incidence.
 pub const BACKWARD_ROUNDOFFS: f64 = 32.0;
+
+/// The sine of the incidence from which hits count for [`Tally::worst_steep`].
+pub const STEEP: f64 = 0.1;
 
 /// Below this, incidence is no more than the rounding of the f64 that holds it.
 const LEAST_INCIDENCE: f64 = UNIT_ROUNDOFF;
@@ -32,6 +37,31 @@ pub fn allowed(hit: &OracleHit, speed: f64, size: f64, reach: f64) -> f64 {
     let incidence =
         if hit.joint_distance * size <= at_joint { hit.joint_incidence } else { hit.incidence };
     moved / incidence.max(LEAST_INCIDENCE) + 2.0 * UNIT_ROUNDOFF * (hit.t.hi * speed).abs()
+}
+
+/// Hits with the exact ones that they stand for: the first exact one that fits and that no other needs
+/// more; in order, if they do not all fit.
+fn pair_up(
+    found: &[Hit],
+    expected: usize,
+    fits: impl Fn(&Hit, usize) -> bool,
+) -> Vec<(&Hit, usize)> {
+    let in_order = || found.iter().enumerate().map(|(i, hit)| (hit, i)).collect::<Vec<_>>();
+    if in_order().iter().all(|(hit, i)| fits(hit, *i)) {
+        return in_order();
+    }
+    // Those that fit the fewest choose first.
+    let choices = |hit: &Hit| (0..expected).filter(|i| fits(hit, *i)).count();
+    let mut order = in_order();
+    order.sort_by_key(|(hit, _)| choices(hit));
+    let mut taken = vec![false; expected];
+    for (hit, i) in &mut order {
+        let Some(free) = (0..expected).find(|i| !taken[*i] && fits(hit, *i)) else {
+            return in_order();
+        };
+        (taken[free], *i) = (true, free);
+    }
+    order
 }
 
 /// What asks for hits: a surface, or a placed one.
@@ -99,6 +129,9 @@ pub(crate) fn length(v: Vec3) -> f64 {
     scale * (v * scale.recip()).length()
 }
 
+/// As many failures are told in words.
+const TOLD: usize = 8;
+
 /// What came of many rays.
 #[derive(Clone, Debug, Default)]
 pub struct Tally {
@@ -108,6 +141,8 @@ pub struct Tally {
     pub hits: u64,
     /// The largest |dt| |d| over the size, of all hits.
     pub worst_forward: f64,
+    /// The same of the hits whose incidence, and that beyond the nearer joint, is at least [`STEEP`].
+    pub worst_steep: f64,
     /// The largest |dt| |d| over what is allowed.
     pub worst_of_allowed: f64,
     /// Rays with too few hits outside the tangency band.
@@ -122,6 +157,14 @@ pub struct Tally {
     pub inexact: u64,
     /// Rays for which `closest`, `any` and `all` contradict each other.
     pub inconsistent: u64,
+    /// Rays that were compared with the oracle or a closed form.
+    pub compared: u64,
+    /// Rays sent on from a hit.
+    pub leaving: u64,
+    /// Of these, those that hit what they had left, or missed what they should have hit.
+    pub stuck: u64,
+    /// Whether the band is [`TANGENCY_BAND`] however far away rays begin.
+    pub strict: bool,
     /// The first few failures, in words.
     pub failures: Vec<String>,
 }
@@ -129,7 +172,7 @@ pub struct Tally {
 impl Tally {
     /// Whether nothing was wrong.
     pub fn is_clean(&self) -> bool {
-        self.lost + self.extra + self.odd + self.inexact + self.inconsistent == 0
+        self.lost + self.extra + self.odd + self.inexact + self.inconsistent + self.stuck == 0
     }
 
     /// Fails the test if anything was wrong.
@@ -142,8 +185,28 @@ impl Tally {
         assert!(self.is_clean(), "{self}");
     }
 
-    fn fail(&mut self, what: impl FnOnce() -> String) {
-        if self.failures.len() < 8 {
+    /// Adds what came of other rays.
+    pub fn add(&mut self, other: Self) {
+        self.rays += other.rays;
+        self.hits += other.hits;
+        self.worst_forward = self.worst_forward.max(other.worst_forward);
+        self.worst_steep = self.worst_steep.max(other.worst_steep);
+        self.worst_of_allowed = self.worst_of_allowed.max(other.worst_of_allowed);
+        self.lost += other.lost;
+        self.extra += other.extra;
+        self.odd += other.odd;
+        self.tangent += other.tangent;
+        self.inexact += other.inexact;
+        self.inconsistent += other.inconsistent;
+        self.compared += other.compared;
+        self.leaving += other.leaving;
+        self.stuck += other.stuck;
+        self.failures.extend(other.failures);
+        self.failures.truncate(TOLD);
+    }
+
+    pub(crate) fn fail(&mut self, what: impl FnOnce() -> String) {
+        if self.failures.len() < TOLD {
             self.failures.push(what());
         }
     }
@@ -164,9 +227,10 @@ impl Tally {
         size: f64,
         even: bool,
         mut expected: Vec<OracleHit>,
-        tangency: impl FnOnce() -> f64,
+        tangency: impl Fn() -> f64,
     ) {
         self.rays += 1;
+        self.compared += 1;
         let mut found = Vec::new();
         target.all(ray, &mut found);
         let closest = self.consistent(target, ray, &found);
@@ -182,11 +246,16 @@ impl Tally {
             [ray.t_min, ray.t_max].iter().any(|&end| h.t.distance(end).abs() <= slack(h))
         };
         let at_ends = expected.iter().filter(|h| at_end(h)).count();
-        expected.retain(|h| ray.t_min <= h.t.hi && h.t.hi <= ray.t_max);
+        let within = |h: &OracleHit| ray.t_min <= h.t.hi && h.t.hi <= ray.t_max;
+        let mut candidates = expected.clone();
+        candidates.retain(|h| within(h) || at_end(h));
+        expected.retain(within);
         self.hits += expected.len() as u64;
+        let far = if self.strict { 0.0 } else { reach / size * 2f64.powi(-40) };
+        let band = TANGENCY_BAND.max(far);
         if found.len() != expected.len() {
             let distance = tangency();
-            if distance <= TANGENCY_BAND.max(reach / size * 2f64.powi(-40)) {
+            if distance <= band {
                 self.tangent += 1;
                 return;
             }
@@ -204,25 +273,48 @@ impl Tally {
             });
             return;
         }
-        // The closest hit comes by another way than all hits do.
-        let closest = closest.iter().zip(expected.first());
-        for (hit, exact) in found.iter().zip(&expected).chain(closest) {
-            let error = exact.t.distance(hit.t).abs() * speed;
-            let ratio = error / allowed(exact, speed, size, reach);
+        let reaches: Vec<f64> = candidates.iter().map(|h| allowed(h, speed, size, reach)).collect();
+        let off = |hit: &Hit, i: usize| candidates[i].t.distance(hit.t).abs() * speed;
+        let mut inexact = None;
+        for (hit, i) in pair_up(&found, candidates.len(), |hit, i| off(hit, i) <= reaches[i]) {
+            let (error, ratio) = (off(hit, i), off(hit, i) / reaches[i]);
+            if ratio.is_nan() || ratio > 1.0 {
+                inexact.get_or_insert((*hit, error, ratio));
+                continue;
+            }
             self.worst_forward = self.worst_forward.max(error / size);
             self.worst_of_allowed = self.worst_of_allowed.max(ratio);
-            if ratio.is_nan() || ratio > 1.0 {
-                self.inexact += 1;
-                self.fail(|| {
-                    format!(
-                        "inexact: {ray:?}, t = {:e} is off by {:e} of the size, {ratio:.2} of what is \
-                         allowed\n  exact {}",
-                        hit.t,
-                        error / size,
-                        describe(&expected)
-                    )
-                });
+            if candidates[i].incidence.min(candidates[i].joint_incidence) >= STEEP {
+                self.worst_steep = self.worst_steep.max(error / size);
             }
+        }
+        // The closest hit comes by another way than all hits do: it is a hit, and none is before it.
+        if let Some(closest) = closest {
+            let near = |i: usize| off(&closest, i) <= reaches[i];
+            let behind =
+                |i: usize| closest.t <= candidates[i].t.hi || near(i) || at_end(&candidates[i]);
+            let all = 0..candidates.len();
+            if !(all.clone().any(near) && all.clone().all(behind)) {
+                let error = all.map(|i| off(&closest, i)).fold(f64::INFINITY, f64::min);
+                inexact.get_or_insert((closest, error, f64::NAN));
+            }
+        }
+        if let Some((hit, error, ratio)) = inexact {
+            // Of two tangencies one may have been taken for a touch and the other not.
+            if tangency() <= band {
+                self.tangent += 1;
+                return;
+            }
+            self.inexact += 1;
+            self.fail(|| {
+                format!(
+                    "inexact: {ray:?}, t = {:e} is off by {:e} of the size, {ratio:.2} of what is \
+                     allowed\n  found {found:?}\n  exact {}",
+                    hit.t,
+                    error / size,
+                    describe(&expected)
+                )
+            });
         }
     }
 
@@ -260,12 +352,17 @@ impl fmt::Display for Tally {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{} rays, {} hits; worst |dt| {:.2e} of the size, {:.2} of what is allowed; lost {}, extra \
-             {}, odd {}, inexact {}, inconsistent {}; {} within {TANGENCY_BAND:e} of a tangency",
+            "{} rays, {} compared, {} hits; worst |dt| {:.2e} of the size, {:.2e} from {STEEP} of incidence \
+             on, {:.2} of what is allowed; {} sent on, {} stuck; lost {}, extra {}, odd {}, inexact {}, \
+             inconsistent {}; {} within {TANGENCY_BAND:e} of a tangency",
             self.rays,
+            self.compared,
             self.hits,
             self.worst_forward,
+            self.worst_steep,
             self.worst_of_allowed,
+            self.leaving,
+            self.stuck,
             self.lost,
             self.extra,
             self.odd,

@@ -7,6 +7,7 @@
 //! [`Tally`] compares a surface with either and counts what is wrong.
 
 pub mod agree;
+pub mod closed;
 pub mod closed_form;
 pub mod compare;
 pub mod cuts;

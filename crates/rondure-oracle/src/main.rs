@@ -3,27 +3,43 @@
 mod agree_command;
 mod sets_command;
 
-use std::{env, process::ExitCode, time::Instant};
+use std::{
+    env,
+    process::ExitCode,
+    sync::atomic::{AtomicU64, Ordering},
+    thread,
+    time::Instant,
+};
 
+use rondure::Method;
 use rondure_oracle::{
     Random, Tally,
+    closed::{self, Soak},
     profiles::{SOLIDS, STANDARD, standard},
     solids, suites,
 };
 
 const USAGE: &str = "usage: rondure-oracle soak [--rays N] [--seed S] [--only NAME]
+                            [--threads N] [--engine wide|exact]
        rondure-oracle agree [OPTION]..., see agree --help
        rondure-oracle csg [OPTION]..., rondure-oracle cuts [OPTION]..., see csg --help
 
 Shoots N random rays (1e6) at each standard profile and at random ones, and compares every hit
 with the exact oracle or a closed form; 10 N at the goblet for parity alone; N at random solids, for
-spans and for the laws of CSG. --only runs the parts whose
-name contains NAME.";
+spans and for the laws of CSG; 100 N, every other one adversarial, at closed profiles of all kinds and
+sizes, for parity, for leaving the surface, and N of them for the oracle. --only runs the parts whose
+name contains NAME, --only closed-profiles the last, to
+which --threads and --engine belong.
+
+lost, extra, odd, inexact, inconsistent, stuck are failures, counted in rays, and the exit status is 1 if
+there are any. A ray in the tangency band may have another number of hits than the oracle's.";
 
 struct Options {
     rays: u64,
     seed: u64,
     only: String,
+    threads: usize,
+    method: Method,
 }
 
 fn main() -> ExitCode {
@@ -47,7 +63,9 @@ fn options() -> Result<Options, String> {
     if arguments.next().as_deref() != Some("soak") {
         return Err("the commands are soak and agree".into());
     }
-    let mut options = Options { rays: 1_000_000, seed: 1, only: String::new() };
+    let threads = thread::available_parallelism().map_or(1, usize::from);
+    let mut options =
+        Options { rays: 1_000_000, seed: 1, only: String::new(), threads, method: Method::Wide };
     while let Some(name) = arguments.next() {
         let value = arguments.next().ok_or(format!("{name} needs a value"))?;
         let number = || value.parse::<f64>().map_err(|_| format!("{name}: {value} is no number"));
@@ -55,6 +73,9 @@ fn options() -> Result<Options, String> {
             "--rays" => options.rays = number()? as u64,
             "--seed" => options.seed = number()? as u64,
             "--only" => options.only = value,
+            "--engine" if value == "exact" => options.method = Method::Exact,
+            "--engine" if value == "wide" => options.method = Method::Wide,
+            "--threads" => options.threads = number()? as usize,
             _ => return Err(format!("unknown option {name}")),
         }
     }
@@ -100,5 +121,38 @@ fn soak(options: &Options) -> ExitCode {
     });
     part("spans of random solids", options.rays, &solids::spans);
     part("laws of CSG", options.rays, &solids::laws);
+    clean &= closed_profiles(options);
     if clean { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+/// Rays at closed profiles for each that is compared with the oracle.
+const RAYS_PER_COMPARED: u64 = 100;
+
+fn closed_profiles(options: &Options) -> bool {
+    const NAME: &str = "closed-profiles";
+    if !NAME.contains(&options.only) {
+        return true;
+    }
+    let &Options { rays: compared, seed, threads, method, .. } = options;
+    let plan = Soak { rays: RAYS_PER_COMPARED * compared, compared, seed, threads, method };
+    let (start, told) = (Instant::now(), AtomicU64::new(0));
+    let outcome = closed::soak(&plan, &|done| {
+        let tens = start.elapsed().as_secs() / 10;
+        if told.fetch_max(tens, Ordering::Relaxed) < tens {
+            eprintln!("{NAME}: {:.1} %", 100.0 * done as f64 / plan.rays as f64);
+        }
+    });
+    match outcome {
+        Ok(tally) => {
+            println!(
+                "{NAME}: {tally}\n  {:.0} rays/s",
+                tally.rays as f64 / start.elapsed().as_secs_f64()
+            );
+            tally.is_clean()
+        }
+        Err(error) => {
+            eprintln!("{error}");
+            false
+        }
+    }
 }

@@ -422,7 +422,7 @@ impl Oracle {
                 if flat {
                     nearest = nearest.min(self.level_distance(&setup, piece, end));
                 }
-                if neighbour.is_none() && at_axis {
+                if at_axis {
                     nearest = nearest.min(self.pole_distance(&setup, piece, end));
                 }
             }
@@ -442,6 +442,10 @@ impl Oracle {
         // w - r^2 = F / (dz q)^2
         let dz_q = &setup.dz * &at.q;
         let excess = setup.area(&value, &(&dz_q * &dz_q));
+        if excess.is_infinite() {
+            // All but level, and at the point's height as good as infinitely far away.
+            return setup.length(&at.height, &at.q).abs();
+        }
         let rho = (r * r + excess).max(0.0).sqrt();
         let along = &setup.a * &at.height + &setup.b * &setup.dz * &at.q;
         // d rho / d z along the line.
@@ -457,7 +461,11 @@ impl Oracle {
     /// by a margin within which the surface is taken for that cone.
     fn pole_distance(&self, setup: &Setup, piece: &Piece, end: usize) -> f64 {
         let at = Place::at(piece, IBig::from(end as i64), 0, setup);
-        let (tr, tz) = at.tangent(piece);
+        // The direction of a speck says nothing.
+        let (tr, tz) = match self.beyond(piece, 1 - end).filter(|_| piece.is_speck) {
+            Some((other, end)) => Place::at(other, IBig::from(end as i64), 0, setup).tangent(other),
+            None => at.tangent(piece),
+        };
         let dz = to_f64(&setup.dz, setup.unit_direction);
         let across = to_f64(&setup.a, 2 * setup.unit_direction).sqrt();
         if dz.abs() * tr.abs() > across * (tz.abs() + CONE_MARGIN * (tz.abs() + tr.abs())) {
@@ -491,7 +499,9 @@ impl Oracle {
         (below.abs() - reach).abs().hypot((closest - r).max(0.0))
     }
 
-    /// For a level line: the difference between the radius there and the line's distance from the axis.
+    /// For a level line: how far its meridian, which ends at the line's distance from the axis, ends before or
+    /// behind the profile. Beside a profile that is all but level this is much less than the difference of
+    /// the radii: a line a little higher meets it at another radius.
     fn turning_distance(&self, setup: &Setup, piece: &Piece, bracket: &Bracket) -> f64 {
         let at = Place::new(piece, bracket, setup);
         let radius = &at.r * &setup.lift;
@@ -499,7 +509,10 @@ impl Oracle {
         let excess = setup.area(&disc, &(&setup.a * &at.q * &at.q));
         let r = ratio_f64(&at.r, &at.q, self.pieces.exponent);
         let rho = (r * r - excess).max(0.0).sqrt();
-        if excess == 0.0 { 0.0 } else { excess.abs() / (r + rho) }
+        let (tr, tz) = at.tangent(piece);
+        let slope = tz.abs() / tr.hypot(tz);
+        let slope = if slope.is_nan() { 1.0 } else { slope };
+        if excess == 0.0 { 0.0 } else { excess.abs() / (r + rho) * slope }
     }
 }
 

@@ -77,7 +77,6 @@ fn check_spans(profile: &Profile, oracle: &Oracle, rays: &[Ray]) {
     let (mut spans, mut hits) = (Vec::new(), Vec::new());
     for ray in rays {
         surface.all(ray, &mut hits);
-        let mut ts: Vec<f64> = hits.iter().map(|h| h.t).collect();
         for solid in [&even_odd, &non_zero] {
             solid.spans(ray, &mut spans);
             assert!(spans.iter().all(|s| s.enter.t < s.exit.t), "{profile:?} {ray:?} {spans:?}");
@@ -88,7 +87,10 @@ fn check_spans(profile: &Profile, oracle: &Oracle, rays: &[Ray]) {
                 assert!(found, "{profile:?} {ray:?} {end:?}");
             }
             if solid.fill_rule() == FillRule::EvenOdd && ray.t_min == f64::NEG_INFINITY {
-                ts.retain(|t| spans.iter().all(|s| s.enter.t != *t && s.exit.t != *t));
+                let walls: Vec<_> =
+                    spans.iter().flat_map(|s| [s.enter.wall, s.exit.wall]).flatten().collect();
+                let others = hits.iter().filter(|h| walls.iter().all(|wall| wall.hit != **h));
+                let ts: Vec<f64> = others.map(|h| h.t).collect();
                 let (pairs, rest) = ts.as_chunks::<2>();
                 // Hits that are none of the spans' lie two by two, as near as rounding makes them.
                 let apart = pairs.iter().map(|[a, b]| b - a).fold(0.0, f64::max);

@@ -2,7 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
 use rondure::{Profile, Ray, Surface, Vec3};
-use rondure_oracle::{Oracle, Tally};
+use rondure_oracle::{Oracle, Tally, compare::TANGENCY_BAND};
 
 #[track_caller]
 fn check(path: &str, ray: Ray) {
@@ -59,4 +59,96 @@ fn all_but_level_and_grazing() {
 #[test]
 fn across_a_needle() {
     check("M 0 1 L 1e-8 -1", Ray::line(Vec3::ZERO, Vec3::new(0.0, 0.25, 0.25)));
+}
+
+/// On a short edge the discriminant lost R / length in digits, and two grazing hits moved by the tenth part of
+/// the edge.
+#[test]
+fn grazing_a_short_edge() {
+    let ray = Ray::line(
+        Vec3::new(0.06277411259526638, 0.3184338269868024, 2.0978381186967026),
+        Vec3::new(-0.005969966559499218, -0.0009099880187887651, -0.9999817655442944),
+    );
+    let polyline = rondure_oracle::agree::shapes().unwrap();
+    let polyline = &polyline.iter().find(|s| s.name == "polyline").unwrap().profile;
+    let mut tally = Tally::default();
+    tally.compare(&Surface::new(polyline), &Oracle::new(polyline), &ray, true);
+    tally.assert_clean();
+    assert!(tally.worst_forward < 1e-8, "{tally}");
+}
+
+/// Far from the origin the ends of pieces, where r or z turns, were rounded to the last place of z.
+#[test]
+fn a_curve_far_up_the_axis() {
+    let path = "M 0 -28115.965390963123 C 0.264180331626542 -28115.78445664467 \
+                0.18112493846199687 -28115.788275495248 0.1792844082274167 -28115.75798348114 \
+                C 0.15725009232126244 -28115.74744970403 0.13328606387029981 -28115.788855182338 \
+                0 -28115.706689493225";
+    let profile = Profile::from_path_data(path).unwrap();
+    let mut tally = Tally { strict: true, ..Tally::default() };
+    let (surface, oracle) = (Surface::new(&profile), Oracle::new(&profile));
+    let mut random = rondure_oracle::Random::new(11);
+    for _ in 0..20_000 {
+        let line = random.line(oracle.center(), oracle.size());
+        tally.compare(&surface, &oracle, &line, true);
+    }
+    tally.assert_clean();
+    assert!(tally.worst_steep < 1e-14, "{tally}");
+}
+
+/// The hit of a line along a wall may lie anywhere on it, also behind another hit: hits and exact ones do
+/// not go together in order.
+#[test]
+fn along_a_wall_and_through_another() {
+    check(
+        "M 0.1 0 L 0.09999999999999999 1.4025774787914227 Q 0.25 -2 0.1 0.10000000000000002",
+        Ray::line(Vec3::new(8.881784197001252e-16, -0.1, 0.25), Vec3::new(-1e-17, -1e-17, -0.25)),
+    );
+}
+
+/// What the oracle says about how near a line is to touching.
+#[track_caller]
+fn is_tangent(path: &str, ray: Ray) {
+    let tangency = Oracle::new(&Profile::from_path_data(path).unwrap()).tangency(&ray);
+    assert!(tangency <= TANGENCY_BAND, "{tangency:e}");
+}
+
+/// At the height of the crown the ray is so far away that the square of it overflows.
+#[test]
+fn all_but_level_beside_a_crown() {
+    let top = Vec3::new(3.0, 0.1, 1.0 + f64::EPSILON);
+    is_tangent("M 1 -1 A 1 1 0 0 1 1 1 Z", Ray::line(top, Vec3::new(-1.0, 0.0, -1e-200)));
+}
+
+/// A closed outline that touches the axis with a corner has a pole there like any other.
+#[test]
+fn through_the_pole_of_a_closed_outline() {
+    let ray = Ray::line(Vec3::new(0.0, 0.0, 2.0), Vec3::new(0.55, 0.66, -0.5));
+    is_tangent("M 0 2 Q 0.3 0 2 1 L 0 2", ray);
+}
+
+/// A level line meets a nearly level wall at a radius that depends on its height more than on anything
+/// else: a hair higher it passes outside.
+#[test]
+fn level_beside_a_nearly_level_wall() {
+    let path = "M 1 0 L 2 1e-14 L 2 -1 L 1 -1 Z";
+    // At the height of r = 1.5, and 1e-8 beyond the circle.
+    let ray = Ray::line(Vec3::new(-3.0, 1.5 - 1e-8, 0.5e-14), Vec3::X);
+    is_tangent(path, ray);
+}
+
+/// Through the pole F ends in what is all but a double root, and the search for the hit on the far wall of the
+/// same piece stayed there.
+#[test]
+fn through_a_pole_and_the_wall_beyond() {
+    let path = "M 0 -120009148505.41139 C 363816.6467570975 -120008824710.15956 \
+                391954.9890130523 -120008650917.74838 282219.3551365168 -120008687373.08005 \
+                C 207939.4064983108 -120008720503.44872 151735.69707857264 -120008799801.31174 \
+                43688.24883387468 -120008866286.05626 C 88542.52569934078 -120008964969.32983 \
+                228197.74976289086 -120008972309.42648 282219.35513651674 -120009049414.10843 \
+                C 370174.13569393265 -120009038907.0326 448310.9587092113 -120008950913.95523 \
+                0 -120008584066.70113";
+    let origin = Vec3::new(0.0, -0.0, -120008584066.70113);
+    let direction = Vec3::new(-0.6883017229026726, 0.2803926529828766, -0.6690446161523436);
+    check(path, Ray::line(origin, direction));
 }

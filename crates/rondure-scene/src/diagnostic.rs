@@ -3,7 +3,7 @@
 //! A [`Report`] owns the texts that its [`Diagnostic`]s point into, so that it can be shown
 //! wherever it ends up. annotate-snippets draws it.
 
-use std::{fmt, ops::Range};
+use std::{borrow::Cow, fmt, ops::Range};
 
 use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
 
@@ -55,14 +55,14 @@ impl Diagnostic {
     /// With the place at fault, in the first text of the report.
     #[must_use]
     pub fn at(mut self, span: Range<usize>, text: impl Into<String>) -> Self {
-        self.labels.insert(0, Label { source: 0, span: Some(span), text: text.into() });
+        self.labels.insert(0, Label { source: 0, span: Some(span), text: one_line(text.into()) });
         self
     }
 
     /// With another place, in the first text of the report.
     #[must_use]
     pub fn and_at(mut self, span: Range<usize>, text: impl Into<String>) -> Self {
-        self.labels.push(Label { source: 0, span: Some(span), text: text.into() });
+        self.labels.push(Label { source: 0, span: Some(span), text: one_line(text.into()) });
         self
     }
 
@@ -85,6 +85,13 @@ fn one_line(text: String) -> String {
         c => c,
     };
     if text.contains(char::is_control) { text.chars().map(visible).collect() } else { text }
+}
+
+/// The text with another character of two bytes for each control character from U+0080 on, which some
+/// terminals obey: annotate-snippets replaces the others.
+fn without_c1(text: &str) -> Cow<'_, str> {
+    let obeyed = |c: char| c.is_control() && !c.is_ascii();
+    if text.contains(obeyed) { text.replace(obeyed, "\u{b7}").into() } else { text.into() }
 }
 
 /// A text, and the name under which it is shown: a path, or something like `<inline>`.
@@ -201,6 +208,13 @@ impl Report {
             Severity::Error => Level::ERROR,
             Severity::Warning => Level::WARNING,
         };
+        let labels = |i: usize| diagnostic.labels.iter().filter(move |l| l.source == i);
+        // What is drawn borrows the texts.
+        let mut shown = Vec::new();
+        for (i, source) in self.sources.iter().enumerate() {
+            let window = lines_round(&source.text, labels(i).filter_map(|l| l.span.as_ref()));
+            shown.push(window.map(|w| (without_c1(&source.text[w.clone()]), w)));
+        }
         let mut group = Group::with_title(level.primary_title(&*diagnostic.message));
         let mut drawn = Vec::new();
         for label in &diagnostic.labels {
@@ -209,21 +223,14 @@ impl Report {
             }
             drawn.push(label.source);
             let Some(source) = self.sources.get(label.source) else { continue };
-            let here: Vec<_> = diagnostic
-                .labels
-                .iter()
-                .enumerate()
-                .filter(|(_, l)| l.source == label.source)
-                .collect();
-            let Some(window) =
-                lines_round(&source.text, here.iter().filter_map(|(_, l)| l.span.as_ref()))
-            else {
+            let here = diagnostic.labels.iter().enumerate();
+            let here = here.filter(|(_, l)| l.source == label.source);
+            let Some((text, window)) = &shown[label.source] else {
                 group = group.element(Origin::path(&*source.name));
                 continue;
             };
-            let text = &source.text[window.clone()];
             let first_line = 1 + source.text[..window.start].matches('\n').count();
-            let mut snippet = Snippet::source(text).line_start(first_line).path(&*source.name);
+            let mut snippet = Snippet::source(&**text).line_start(first_line).path(&*source.name);
             for (i, label) in here {
                 let Some(span) = &label.span else { continue };
                 let kind = if i == 0 { AnnotationKind::Primary } else { AnnotationKind::Context };

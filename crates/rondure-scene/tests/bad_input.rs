@@ -24,7 +24,7 @@ fn every_bad_file() -> Result<(), Box<dyn Error>> {
         .map(|entry| Ok(entry?.path()))
         .collect::<Result<Vec<_>, std::io::Error>>()?;
     paths.sort();
-    assert!(paths.len() >= 45, "{} files", paths.len());
+    assert!(paths.len() >= 46, "{} files", paths.len());
     for path in paths {
         let report = read(&path);
         assert!(report.errors() > 0);
@@ -116,6 +116,14 @@ fn what_could_command_a_terminal_is_not_shown() {
     let report = parse_scene("<scene>", text, Path::new("")).expect_err("good");
     assert!(!report.plain().contains(|c: char| c.is_control() && c != '\n'), "{report}");
     insta::assert_snapshot!("control-characters", report);
+    let svg =
+        "<svg xmlns=\"http://www.w3.org/2000/svg\">\u{9b}31m<path d=\"M 0 0 L 1 x\"/></svg\u{7f}>";
+    for text in [svg, "M 0 0 L 1 \u{9b}31m", "M 0 0 \u{85} \u{7f}"] {
+        for format in [ProfileFormat::Svg, ProfileFormat::PathData, ProfileFormat::Csv] {
+            let report = options_error(format, text, ProfileOptions::default());
+            assert!(!report.plain().contains(|c: char| c.is_control() && c != '\n'), "{report}");
+        }
+    }
 }
 
 #[test]

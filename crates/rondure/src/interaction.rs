@@ -4,6 +4,7 @@ use core::f64::consts::TAU;
 
 use crate::frame::Frame;
 use crate::meridian::Meridian;
+use crate::numeric::reciprocal_power_of_two;
 use crate::profile::Point;
 use crate::{Affine, Hit, Ray, Surface, Vec3};
 
@@ -59,8 +60,11 @@ impl Place {
             let [a, b] = [true, false].map(|above| meridian.t(profile.r, profile.z, above));
             let t = if (a - rough).abs() <= (b - rough).abs() { a } else { b };
             let p = local.origin + local.direction * t;
-            let rho = p.x.hypot(p.y);
-            if rho > 0.0 { [p.x / rho, p.y / rho] } else { [1.0, 0.0] }
+            // Beside the axis the coordinates may be subnormal, and know few digits of a quotient.
+            let near_one = reciprocal_power_of_two(p.x.abs().max(p.y.abs()));
+            let (x, y) = (p.x * near_one, p.y * near_one);
+            let rho = x.hypot(y);
+            if rho > 0.0 { [x / rho, y / rho] } else { [1.0, 0.0] }
         });
         let speed = tangent.length();
         Self { profile, tangent: Point::new(tangent.r / speed, tangent.z / speed), angle }

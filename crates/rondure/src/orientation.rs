@@ -23,17 +23,35 @@ pub(crate) fn outward_senses(profile: &Profile) -> Vec<f64> {
     (0..outlines.len()).map(sense).collect()
 }
 
+/// For each subpath, 1 if the outside of the bare curve is to the right of its drawing direction, and -1
+/// if it is to the left: what does not lie between the curve and the axis. Subpaths that bound a solid
+/// have the outside of that.
+pub(crate) fn outward_of_curve(profile: &Profile) -> Vec<f64> {
+    let mut senses = outward_senses(profile);
+    for (subpath, sense) in profile.subpaths().iter().zip(&mut senses) {
+        if !subpath.bounds_solid() {
+            let foot = |p: Point| Point::new(0.0, p.z);
+            let mut polygon = vec![foot(subpath.start())];
+            polygon.extend(along(subpath));
+            polygon.push(foot(subpath.end()));
+            *sense = if area(&polygon) >= 0.0 { 1.0 } else { -1.0 };
+        }
+    }
+    senses
+}
+
 /// A polygon along a subpath that bounds a solid. It need not be close to the curve: only the sense
 /// of rotation and which subpath lies within which are read from it.
 fn outline(subpath: &Subpath) -> Option<Vec<Point>> {
+    subpath.bounds_solid().then(|| along(subpath).collect())
+}
+
+fn along(subpath: &Subpath) -> impl Iterator<Item = Point> + '_ {
     const STEPS: u32 = 16;
-    subpath.bounds_solid().then(|| {
-        let pieces = subpath.segments().iter().flat_map(piece::cut);
-        pieces
-            .flat_map(|p| (0..STEPS).map(move |i| p.jet(f64::from(i) / f64::from(STEPS)).point))
-            .chain([subpath.end()])
-            .collect()
-    })
+    let pieces = subpath.segments().iter().flat_map(piece::cut);
+    pieces
+        .flat_map(|p| (0..STEPS).map(move |i| p.jet(f64::from(i) / f64::from(STEPS)).point))
+        .chain([subpath.end()])
 }
 
 /// Twice the signed area of the polygon, positive if it runs from r towards z.

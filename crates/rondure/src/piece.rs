@@ -46,11 +46,6 @@ impl Piece {
         Point::new(self.r[3], self.z[3])
     }
 
-    /// The same piece, lower by `z`.
-    pub(crate) fn lowered(&self, z: f64) -> Self {
-        Self { z: self.z.map(|own| own - z), ..*self }
-    }
-
     /// The point at s and the derivative by s, exact at s = 0 and s = 1.
     #[inline]
     pub(crate) fn jet(&self, s: f64) -> Jet {

@@ -17,7 +17,7 @@
 //! beside s*, and so has F.
 
 use crate::meridian::Meridian;
-use crate::numeric::{UNIT_ROUNDOFF, gamma};
+use crate::numeric::{UNIT_ROUNDOFF, difference_of_products, gamma};
 use crate::piece::{Kind, Piece};
 
 /// Reports every hit of the whole line on a piece, as (s, t), in no particular order.
@@ -254,7 +254,8 @@ impl Stretch {
             (g(self.x[0], self.r[0]), g(self.x[3], self.r[3]))
         };
         let mut guess = g0 / (g0 - g1);
-        if !(CLOSE..=1.0 - CLOSE).contains(&guess) {
+        let close = !(CLOSE..=1.0 - CLOSE).contains(&guess);
+        if close {
             // An end that lies on the ray is no root of this stretch if the signs say so, but beside
             // it F is nothing but rounding: look elsewhere. Where the piece was split, X = 0, F is as
             // exact as anywhere.
@@ -264,14 +265,23 @@ impl Stretch {
                 guess = 0.5;
             }
         }
-        let guess = s0 + (s1 - s0) * guess;
         let f = |s| {
             let jet = piece.jet(s);
             let (r, x) = (jet.point.r, ray.x(jet.point.z));
             let value = ray.form([x, x], [r, r]);
             (value, 2.0 * (x * ray.slope() * jet.tangent.z - ray.eta * (r * jet.tangent.r)))
         };
-        bracketed_root(f, self.s, positive, guess)
+        if close {
+            // At a pole that the ray passes through, F ends in what is all but a double root, which is none
+            // of this stretch but would hold the search: it is left out if the root is not there.
+            let near = s0 + (s1 - s0) * if guess < 0.5 { CLOSE } else { 1.0 - CLOSE };
+            let before = (f(near).0 >= 0.0) != positive;
+            if before != (guess < 0.5) {
+                let part = if before { [s0, near] } else { [near, s1] };
+                return bracketed_root(f, part, positive, 0.5 * (part[0] + part[1]));
+            }
+        }
+        bracketed_root(f, self.s, positive, s0 + (s1 - s0) * guess)
     }
 
     /// The two roots on a straight stretch whose coefficients change sign twice, or none.
@@ -284,10 +294,11 @@ impl Stretch {
     }
 
     /// c1^2 - c0 c2 on a straight stretch. Lagrange's identity for the form F brings it to terms that
-    /// cancel only where the ray is tangent to the cone.
+    /// cancel only where the ray is tangent to the cone. The cross product must not be rounded to the size of
+    /// its terms: on a segment of length l that would move the roots as if F were off by u R^3 / l.
     fn discriminant(&self, ray: &Meridian) -> f64 {
         let ([x0, .., x1], [r0, .., r1]) = (self.x, self.r);
-        let (dx, dr, cross) = (x1 - x0, r1 - r0, x0 * r1 - x1 * r0);
+        let (dx, dr, cross) = (x1 - x0, r1 - r0, difference_of_products(x0, r1, x1, r0));
         ray.eta * (cross * cross) + ray.kappa() * (ray.eta * (dr * dr) - dx * dx)
     }
 

@@ -87,9 +87,13 @@ impl Surface {
         let mut details = Vec::new();
         let mut segment = 0;
         let mut length_before = 0.0;
+        // Lowered before they are cut: far from the origin the points between the ends of a curve are
+        // rounded more coarsely than their distance from the centre.
+        let center_z = middle(profile);
+        let down = Point::new(0.0, -center_z);
         for (subpath, sense) in profile.subpaths().iter().zip(outward_senses(profile)) {
             for curve in subpath.segments() {
-                for piece in piece::cut(curve) {
+                for piece in piece::cut(&curve.moved(down)) {
                     let length = ArcLength::new(&piece);
                     details.push(Detail { segment, length_before, length, sense });
                     length_before += length.whole();
@@ -101,14 +105,11 @@ impl Surface {
 
         let ends = || pieces.iter().flat_map(|p: &Piece| [p.start(), p.end()]);
         let r_max = ends().fold(0.0_f64, |m, p| m.max(p.r));
-        let z_range = ends().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], p| {
+        let [low, high] = ends().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], p| {
             [low.min(p.z), high.max(p.z)]
         });
-        let center_z = 0.5 * z_range[0] + 0.5 * z_range[1];
-        let radius = r_max.hypot(0.5 * (z_range[1] - z_range[0])) * (1.0 + gamma(8));
-        for piece in &mut pieces {
-            *piece = piece.lowered(center_z);
-        }
+        let radius = r_max.hypot(high.max(-low)) * (1.0 + gamma(8));
+        let z_range = [low + center_z, high + center_z];
         // What lies on the axis sweeps nothing.
         let swept = |p: &Piece| p.r != [0.0; 4];
         if pieces.iter().any(swept) {
@@ -364,6 +365,14 @@ impl Surface {
             }
         });
     }
+}
+
+/// The middle of the heights of a profile.
+fn middle(profile: &Profile) -> f64 {
+    let ends = profile.segments().flat_map(piece::cut).flat_map(|p| [p.start().z, p.end().z]);
+    let [low, high] =
+        ends.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], z| [low.min(z), high.max(z)]);
+    0.5 * low + 0.5 * high
 }
 
 /// How far off a placed surface rounding can move a computed point of it, and how far off a ray's true

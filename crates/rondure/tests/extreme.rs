@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use rondure::{Affine, Instance, Profile, Ray, Surface, Vec3};
+use rondure::{Affine, FillRule, Instance, Profile, Ray, Solid, Surface, Vec3};
 
 /// Splitmix64.
 struct Random(u64);
@@ -151,9 +151,10 @@ fn check(name: &str, closed: bool, instance: &Instance, ray: &Ray, found: &mut u
 #[test]
 fn rays_that_are_not_finite_or_have_no_direction_hit_nothing_and_do_not_panic() {
     let strange = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX, 5e-324, 0.0, -0.0, 1.0];
-    let mut hits = Vec::new();
+    let (mut hits, mut spans) = (Vec::new(), Vec::new());
     for (name, _, profile) in profiles() {
-        let surface = Surface::new(&profile);
+        let surface = Arc::new(Surface::new(&profile));
+        let solid = Solid::from_surface(Arc::clone(&surface), FillRule::NonZero).ok();
         for i in 0..strange.len().pow(4) {
             let pick = |k: u32| strange[i / strange.len().pow(k) % strange.len()];
             let origin = Vec3::new(pick(0), 0.1, pick(1));
@@ -166,8 +167,27 @@ fn rays_that_are_not_finite_or_have_no_direction_hit_nothing_and_do_not_panic() 
                 let finite = origin.is_finite() && direction.is_finite() && !t_min.is_nan();
                 if !finite || direction == Vec3::ZERO {
                     assert!(hits.is_empty() && closest.is_none(), "{name} {ray:?} {hits:?}");
+                    if let Some(solid) = &solid {
+                        solid.spans(&ray, &mut spans);
+                        assert!(spans.is_empty(), "{name} {ray:?} {spans:?}");
+                    }
                 }
             }
+        }
+    }
+}
+
+/// A point whose distance from the axis is a subnormal number has a direction from it all the same.
+#[test]
+fn normals_are_unit_vectors_beside_the_axis() {
+    let cone = Surface::new(&Profile::from_path_data("M 0 0 L 1 0 L 0 2 Z").unwrap());
+    let mut hits = Vec::new();
+    for tiny in [1.4e-322, 5e-324, 3e-310, 1e-300] {
+        cone.all(&Ray::line(Vec3::Z, Vec3::new(tiny, tiny, 3.25)), &mut hits);
+        assert_eq!(hits.len(), 2, "{tiny:e}");
+        for hit in &hits {
+            let at = cone.interaction(&Ray::line(Vec3::Z, Vec3::new(tiny, tiny, 3.25)), hit);
+            assert!((at.normal.length() - 1.0).abs() < 1e-15, "{tiny:e}: {at:?}");
         }
     }
 }

@@ -1,20 +1,68 @@
-//! Hits as CSV text, every number in the shortest form that reads back as the same f64.
+//! Answers as CSV text, every number in the shortest form that reads back as the same f64.
 
-use rondure::{Hit, Ray, Surface};
+use rondure::{
+    Hit, Interaction, Ray, Solid, Surface, Vec3,
+    solid::{Boundary, Span},
+};
 
-/// The header of the output.
-pub(crate) const HEADER: &[u8] = b"ray,t,x,y,z,nx,ny,nz,u,v\n";
+/// The header of hits.
+pub(crate) const HITS: &[u8] = b"ray,t,x,y,z,nx,ny,nz,u,v,segment,enters\n";
+
+/// The header of spans.
+pub(crate) const SPANS: &[u8] = b"ray,\
+    enter_t,enter_x,enter_y,enter_z,enter_nx,enter_ny,enter_nz,enter_u,enter_v,enter_segment,\
+    exit_t,exit_x,exit_y,exit_z,exit_nx,exit_ny,exit_nz,exit_u,exit_v,exit_segment\n";
+
+/// The header of what is in the way.
+pub(crate) const OCCLUDED: &[u8] = b"ray,occluded\n";
 
 /// Appends the row of one hit of the ray with this number.
 pub(crate) fn write_hit(out: &mut Vec<u8>, number: u64, surface: &Surface, ray: &Ray, hit: &Hit) {
     let at = surface.interaction(ray, hit);
-    let (p, n, [u, v]) = (at.point, at.normal, at.uv);
     write_integer(out, number);
-    for value in [hit.t, p.x, p.y, p.z, n.x, n.y, n.z, u, v] {
-        out.push(b',');
-        write_number(out, value);
+    write_place(out, hit.t, &at, surface.segment(hit));
+    let enters = at.normal.dot(ray.direction) < 0.0;
+    out.extend_from_slice(if enters { b",1\n" } else { b",0\n" });
+}
+
+/// Appends the row of one span of the ray with this number.
+pub(crate) fn write_span(out: &mut Vec<u8>, number: u64, solid: &Solid, ray: &Ray, span: &Span) {
+    write_integer(out, number);
+    for Boundary { t, wall } in [&span.enter, &span.exit] {
+        match wall {
+            Some(wall) => {
+                let segment = solid.surface().segment(&wall.hit);
+                write_place(out, *t, &solid.interaction(ray, wall), segment);
+            }
+            // The ray begins or ends here: there is no surface.
+            None => {
+                let p = ray.at(*t);
+                write_numbers(out, &[*t, p.x, p.y, p.z]);
+                out.extend_from_slice(b",,,,,,");
+            }
+        }
     }
     out.push(b'\n');
+}
+
+/// Appends the row that says whether anything is in the way of the ray with this number.
+pub(crate) fn write_occluded(out: &mut Vec<u8>, number: u64, occluded: bool) {
+    write_integer(out, number);
+    out.extend_from_slice(if occluded { b",1\n" } else { b",0\n" });
+}
+
+fn write_place(out: &mut Vec<u8>, t: f64, at: &Interaction, segment: usize) {
+    let (Vec3 { x, y, z }, n, [u, v]) = (at.point, at.normal, at.uv);
+    write_numbers(out, &[t, x, y, z, n.x, n.y, n.z, u, v]);
+    out.push(b',');
+    write_integer(out, segment as u64);
+}
+
+fn write_numbers(out: &mut Vec<u8>, values: &[f64]) {
+    for value in values {
+        out.push(b',');
+        write_number(out, *value);
+    }
 }
 
 fn write_number(out: &mut Vec<u8>, value: f64) {

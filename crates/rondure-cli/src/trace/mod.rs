@@ -12,13 +12,16 @@ use std::{
     fs::File,
     io::{self, Read, Write},
     path::{Path, PathBuf},
-    sync::mpsc::{Receiver, SyncSender, sync_channel},
+    sync::{
+        Arc,
+        mpsc::{Receiver, SyncSender, sync_channel},
+    },
     thread,
 };
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use rayon::prelude::*;
-use rondure::{Hit, Surface};
+use rondure::{FillRule, Hit, Ray, Solid, Surface, solid::Span};
 
 use self::{
     blocks::{LONGEST_LINE, ReadError, read_ahead},
@@ -43,14 +46,34 @@ pub(crate) struct Trace {
     rays: PathBuf,
 
     /// Print all hits of a ray, not just the closest
-    #[arg(long)]
+    #[arg(long, group = "answer")]
     all: bool,
+
+    /// Print the stretches of a ray inside the solid that a closed profile bounds
+    #[arg(long, group = "answer")]
+    spans: bool,
+
+    /// Print for each ray whether it hits anything in its range
+    #[arg(long, group = "answer")]
+    occluded: bool,
+
+    /// Spans: what is inside where the profile crosses itself; nonzero if not given
+    #[arg(long, value_enum, requires = "spans")]
+    fill_rule: Option<FillRuleName>,
 
     #[command(flatten)]
     engine: EngineArgs,
 
     #[command(flatten)]
     threads: Threads,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+enum FillRuleName {
+    /// What the profile winds round
+    Nonzero,
+    /// What it encloses an odd number of times
+    Evenodd,
 }
 
 const HELP: &str = "\
@@ -61,14 +84,23 @@ Rays:
   are an error. Each further line is a ray; empty lines are skipped and not counted.
 
 Output:
-  A line for each hit: ray,t,x,y,z,nx,ny,nz,u,v, where ray counts from 0, t is in units of the
-  direction and grows along a ray, (nx,ny,nz) is the unit normal, u the angle round the axis over
-  2 pi, and v the fraction of the profile's length. A ray without hits has no line. Every number
-  reads back as exactly the same f64.
+  A line for each hit: ray,t,x,y,z,nx,ny,nz,u,v,segment,enters, where ray counts from 0, t is in
+  units of the direction and grows along a ray, (nx,ny,nz) is the unit normal, out of a solid, u the
+  angle round the axis over 2 pi, v the fraction of the profile's length, segment the number of the
+  profile's segment, from 0, and enters 1 if the ray comes from the side of the normal, otherwise 0.
+  A ray without hits has no line. Every number reads back as exactly the same f64.
+
+  --spans: a line for each stretch inside the solid: ray, and t to segment twice, enter_t,.. where
+  it begins and exit_t,.. where it ends. It is never without its end, however the ray runs. Where
+  the range of the ray begins or ends inside, there is a point but no surface: the other columns are
+  empty.
+
+  --occluded: a line for each ray: ray,occluded, which is 1 if it hits anything in its range.
 
 Examples:
   printf 'ox,oy,oz,dx,dy,dz\\n9,0,1,-1,0,0\\n' | rondure trace goblet.path --rays -
   rondure trace goblet.path --rays rays.csv > hits.csv
+  rondure trace bowl.path --thickness 0.1 --rays rays.csv --spans
   rondure trace vase.svg --svg-id outline --axis 105 --scale 0.1 --rays rays.csv --all
   make-rays | rondure trace outline.csv --spline natural --rays - | head";
 
@@ -79,6 +111,7 @@ const BLOCKS_PER_THREAD: usize = 8;
 impl Trace {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let surface = Surface::with_engine(&self.profile.read()?, &self.engine.options());
+        let answer = self.answer(Arc::new(surface))?;
         let (name, input) = open(&self.rays)?;
         let pool = self.threads.pool()?;
         let at_once = BLOCKS_PER_THREAD * pool.current_num_threads();
@@ -93,10 +126,11 @@ impl Trace {
         let rest = first.split_off(end);
         let columns = Columns::from_header(&first).map_err(|e| bad_line(&name, &e, 1, 0))?;
 
-        let tracer = Tracer { surface: &surface, all: self.all, columns: &columns };
+        let tracer = Tracer { answer: &answer, columns: &columns };
         thread::scope(|scope| {
             let (sender, receiver) = sync_channel(1);
-            let writer = scope.spawn(move || write(&receiver));
+            let header = answer.header();
+            let writer = scope.spawn(move || write(header, &receiver));
             let outcome = pool.install(|| tracer.stream(&name, rest, blocks, at_once, sender));
             match writer.join() {
                 Ok(written) => written.map_err(|e| Failure::output(&e)).and(outcome),
@@ -106,9 +140,81 @@ impl Trace {
     }
 }
 
+impl Trace {
+    fn answer(&self, surface: Arc<Surface>) -> Result<Answer, Failure> {
+        if self.spans {
+            let rule = match self.fill_rule {
+                Some(FillRuleName::Evenodd) => FillRule::EvenOdd,
+                Some(FillRuleName::Nonzero) | None => FillRule::NonZero,
+            };
+            let solid = Solid::from_surface(surface, rule).map_err(|e| {
+                let name = self.profile.path().display();
+                Failure::new(
+                    format!("`{name}`: --spans needs a solid, and {e}"),
+                    "end the profile on the axis or close it with Z, or give it a --thickness",
+                )
+            })?;
+            return Ok(Answer::Spans(Box::new(solid)));
+        }
+        Ok(match (self.all, self.occluded) {
+            (true, _) => Answer::All(surface),
+            (_, true) => Answer::Occluded(surface),
+            _ => Answer::Closest(surface),
+        })
+    }
+}
+
+/// What is asked of every ray, and of what.
+enum Answer {
+    Closest(Arc<Surface>),
+    All(Arc<Surface>),
+    Spans(Box<Solid>),
+    Occluded(Arc<Surface>),
+}
+
+/// Room that is used again for the next ray.
+#[derive(Default)]
+struct Room {
+    hits: Vec<Hit>,
+    spans: Vec<Span>,
+}
+
+impl Answer {
+    fn header(&self) -> &'static [u8] {
+        match self {
+            Self::Closest(_) | Self::All(_) => hits::HITS,
+            Self::Spans(_) => hits::SPANS,
+            Self::Occluded(_) => hits::OCCLUDED,
+        }
+    }
+
+    /// Appends the rows of one ray.
+    fn write(&self, out: &mut Vec<u8>, number: u64, ray: &Ray, room: &mut Room) {
+        match self {
+            Self::Closest(surface) => {
+                if let Some(hit) = surface.closest(ray) {
+                    hits::write_hit(out, number, surface, ray, &hit);
+                }
+            }
+            Self::All(surface) => {
+                surface.all(ray, &mut room.hits);
+                for hit in &room.hits {
+                    hits::write_hit(out, number, surface, ray, hit);
+                }
+            }
+            Self::Spans(solid) => {
+                solid.spans(ray, &mut room.spans);
+                for span in &room.spans {
+                    hits::write_span(out, number, solid, ray, span);
+                }
+            }
+            Self::Occluded(surface) => hits::write_occluded(out, number, surface.any(ray)),
+        }
+    }
+}
+
 struct Tracer<'a> {
-    surface: &'a Surface,
-    all: bool,
+    answer: &'a Answer,
     columns: &'a Columns,
 }
 
@@ -150,7 +256,7 @@ impl Tracer<'_> {
             let output = parsed
                 .par_iter()
                 .zip(firsts)
-                .map_init(Vec::new, |hits, (parsed, first)| self.trace(parsed, first, hits))
+                .map_init(Room::default, |room, (parsed, first)| self.trace(parsed, first, room))
                 .collect();
             if sender.send(output).is_err() {
                 // The writer has failed, and says why itself.
@@ -174,27 +280,19 @@ impl Tracer<'_> {
     }
 
     /// The output for some rays, the first of which has the number `first`.
-    fn trace(&self, parsed: &Parsed, first: u64, hits: &mut Vec<Hit>) -> Vec<u8> {
+    fn trace(&self, parsed: &Parsed, first: u64, room: &mut Room) -> Vec<u8> {
         let mut out = Vec::new();
         for (number, ray) in (first..).zip(&parsed.rays) {
-            if self.all {
-                self.surface.all(ray, hits);
-            } else {
-                hits.clear();
-                hits.extend(self.surface.closest(ray));
-            }
-            for hit in &*hits {
-                hits::write_hit(&mut out, number, self.surface, ray, hit);
-            }
+            self.answer.write(&mut out, number, ray, room);
         }
         out
     }
 }
 
 /// Writes everything to standard output, as soon as it is there.
-fn write(output: &Receiver<Vec<Vec<u8>>>) -> io::Result<()> {
+fn write(header: &[u8], output: &Receiver<Vec<Vec<u8>>>) -> io::Result<()> {
     let mut out = io::stdout().lock();
-    out.write_all(hits::HEADER)?;
+    out.write_all(header)?;
     for batch in output {
         for text in batch {
             out.write_all(&text)?;

@@ -82,19 +82,22 @@ pub(crate) struct Row {
     pub(crate) point: [f64; 3],
     pub(crate) normal: [f64; 3],
     pub(crate) uv: [f64; 2],
+    pub(crate) segment: usize,
+    pub(crate) enters: bool,
 }
 
 /// Reads the output of `rondure trace`.
 pub(crate) fn rows(csv: &str) -> Vec<Row> {
     let mut lines = csv.lines();
-    assert_eq!(lines.next(), Some("ray,t,x,y,z,nx,ny,nz,u,v"));
+    assert_eq!(lines.next(), Some("ray,t,x,y,z,nx,ny,nz,u,v,segment,enters"));
     lines
         .map(|line| {
             let (ray, rest) = line.split_once(',').unwrap();
             let v: Vec<f64> = rest.split(',').map(|x| x.parse().unwrap()).collect();
-            let &[t, x, y, z, nx, ny, nz, u, w] = &v[..] else { panic!("{line}") };
+            let &[t, x, y, z, nx, ny, nz, u, w, segment, enters] = &v[..] else { panic!("{line}") };
             let ray = ray.parse().unwrap();
-            Row { ray, t, point: [x, y, z], normal: [nx, ny, nz], uv: [u, w] }
+            let (segment, enters) = (segment as usize, enters == 1.0);
+            Row { ray, t, point: [x, y, z], normal: [nx, ny, nz], uv: [u, w], segment, enters }
         })
         .collect()
 }

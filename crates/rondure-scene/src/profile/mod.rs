@@ -4,10 +4,11 @@ pub(crate) mod path;
 pub(crate) mod points;
 mod svg;
 mod unit;
+pub(crate) mod wall;
 
 use std::{ops::Range, path::Path};
 
-use rondure::{Profile, ProfileError, ProfileErrorKind, Spline};
+use rondure::{Profile, ProfileError, ProfileErrorKind, Spline, profile::Thickness};
 
 use crate::{Diagnostic, Report, file::read_text};
 
@@ -58,6 +59,8 @@ pub struct ProfileOptions {
     pub scale: Option<f64>,
     /// CSV: how the curve runs through the points; a polyline if not given.
     pub spline: Option<Spline>,
+    /// The wall along the curve, if it has one; measured after `scale`.
+    pub thickness: Option<Thickness>,
 }
 
 /// Reads a profile file; what it is is told by its extension.
@@ -112,6 +115,10 @@ pub fn parse_profile(
             }
         }
     };
+    let result = result.and_then(|profile| match &options.thickness {
+        Some(wall) => wall::thicken(&profile, wall).map_err(|e| vec![e]),
+        None => Ok(profile),
+    });
     result.map_err(|diagnostics| {
         diagnostics.into_iter().for_each(|d| report.push(d));
         report

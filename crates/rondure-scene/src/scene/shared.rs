@@ -6,12 +6,15 @@ use std::{
     sync::Arc,
 };
 
-use rondure::{Point, Profile, Spline, Surface};
+use rondure::{
+    Point, Profile, Spline, Surface,
+    profile::{Rim, Side, Thickness},
+};
 
 use crate::{
     Diagnostic, ProfileFormat, ProfileOptions, Unit,
     decode::{Bounds, Context, Table, Value, suggest},
-    profile::{path, points, read_profile},
+    profile::{path, points, read_profile, wall},
 };
 
 /// The profiles of a scene.
@@ -94,6 +97,7 @@ fn profile(value: &Value<'_>, folder: &Path) -> Option<Profile> {
         Some(v) => v.number(Bounds::POSITIVE),
         None => Some(1.0),
     };
+    let wall = thickness(&table);
     let profile = match (inline, file, points) {
         (Some(v), None, None) => from_path_data(&v, scale),
         (None, Some(v), None) => from_file(&v, &table, scale, folder),
@@ -112,7 +116,33 @@ fn profile(value: &Value<'_>, folder: &Path) -> Option<Profile> {
         }
     };
     table.finish();
-    profile
+    match wall? {
+        Some((value, wall)) => match wall::thicken(&profile?, &wall) {
+            Ok(profile) => Some(profile),
+            Err(error) => {
+                value.context().push(error.at(value.span(), "the thickness"));
+                None
+            }
+        },
+        None => profile,
+    }
+}
+
+/// The thickness of the profile and where it stands, if it has one; `None` if that is wrong.
+fn thickness<'a>(table: &Table<'a>) -> Option<Option<(Value<'a>, Thickness)>> {
+    let (side, rim) = (table.get("side"), table.get("rim"));
+    let Some(value) = table.get("thickness") else {
+        let Some(key) = ["side", "rim"].into_iter().find(|key| table.has(key)) else {
+            return Some(None);
+        };
+        let error = Diagnostic::error(format!("`{key}` is for a wall, which needs a `thickness`"));
+        table.context().push(error.at(table.key_span(key).unwrap_or(table.span()), ""));
+        return None;
+    };
+    let thickness = value.number(Bounds::POSITIVE);
+    let side = side.map_or(Some(Side::default()), |v| v.choice("side of a wall", &wall::SIDES));
+    let rim = rim.map_or(Some(Rim::default()), |v| v.choice("rim of a wall", &wall::RIMS));
+    Some(Some((value, Thickness { thickness: thickness?, side: side?, rim: rim? })))
 }
 
 fn spline(table: &Table<'_>) -> Option<Option<Spline>> {

@@ -16,7 +16,7 @@
 
 use crate::numeric::gamma;
 use crate::piece::Jet;
-use crate::profile::{Point, Segment, monotone};
+use crate::profile::{Segment, monotone};
 
 /// The positive nodes, and the weights, of the rule with 16 points on [-1, 1].
 const NODES: [[f64; 2]; 8] = [
@@ -118,21 +118,6 @@ pub(super) fn jet(segment: &Segment, s: f64) -> Jet {
         }
     };
     Jet { point: segment.point(s), tangent }
-}
-
-/// The segment, moved.
-pub(super) fn moved(segment: &Segment, by: Point) -> Segment {
-    match *segment {
-        Segment::Line(p) => Segment::Line(p.map(|p| p + by)),
-        Segment::Quadratic(p) => Segment::Quadratic(p.map(|p| p + by)),
-        Segment::Cubic(p) => Segment::Cubic(p.map(|p| p + by)),
-        Segment::Arc(mut arc) => {
-            for p in [&mut arc.start, &mut arc.end, &mut arc.center] {
-                *p = *p + by;
-            }
-            Segment::Arc(arc)
-        }
-    }
 }
 
 /// The ranges of s on which one application of the rule integrates moments exactly.

@@ -13,7 +13,6 @@
 //! level 0  -------------+
 //! ```
 
-use super::quadrature::moved;
 use super::solve::bracketed_newton;
 use crate::numeric::gamma;
 use crate::piece::{self, Kind, Piece};
@@ -111,7 +110,7 @@ impl Slabs {
         let mut heights = Vec::new();
         for (i, subpath) in profile.subpaths().iter().enumerate() {
             for segment in subpath.segments() {
-                let cut = piece::cut(&moved(segment, down));
+                let cut = piece::cut(&segment.moved(down));
                 let cut = cut.into_iter().filter(|piece| piece.r != [0.0; 4]);
                 for piece in cut {
                     heights.extend([piece.z[0], piece.z[3]].map(|own| {

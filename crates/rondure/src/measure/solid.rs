@@ -6,7 +6,7 @@
 
 use core::f64::consts::{PI, TAU};
 
-use super::quadrature::{Sum, adaptive, gauss, jet, moved, smooth_steps, steps};
+use super::quadrature::{Sum, adaptive, gauss, jet, smooth_steps, steps};
 use super::{NoSolid, Solid};
 use crate::numeric::gamma;
 use crate::profile::{Point, Segment, Subpath};
@@ -75,7 +75,7 @@ impl<'a> Part<'a> {
         }
         let [length, length_error, area, area_error] = sums.map(Sum::value);
         let away = Point::new(-center.r, -center.z);
-        let segments = segments.iter().map(|s| moved(s, away)).collect();
+        let segments = segments.iter().map(|s| s.moved(away)).collect();
         Self {
             subpath,
             center,

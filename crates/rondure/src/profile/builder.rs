@@ -232,7 +232,7 @@ impl ProfileBuilder {
 pub(super) const LARGEST: f64 = 1e100;
 const SMALLEST: f64 = 1e-100;
 
-fn check(profile: &Profile) -> Result<(), ProfileError> {
+pub(super) fn check(profile: &Profile) -> Result<(), ProfileError> {
     let at = |i: usize, kind| ProfileError { kind, segment: Some(i), span: None };
     for (i, segment) in profile.segments().enumerate() {
         if let Some(&point) = controls(segment).iter().find(|p| !p.is_finite()) {

@@ -54,6 +54,37 @@ pub enum ProfileErrorKind {
         /// That radius.
         radius: f64,
     },
+    /// The thickness of a wall is not positive and finite.
+    Thickness {
+        /// That thickness.
+        thickness: f64,
+    },
+    /// A side of a wall folds: it is farther from the curve than the curve's radius of curvature.
+    WallFolds {
+        /// The point of the curve that bends most tightly to that side.
+        point: Point,
+        /// Its parameter on the segment, from 0 to 1.
+        s: f64,
+        /// The radius of curvature there.
+        radius: f64,
+        /// The distance of the side from the curve.
+        distance: f64,
+    },
+    /// A corner takes more of a segment, on its inside, than the segment is long.
+    WallCorner {
+        /// The corner, or the segment's first point.
+        point: Point,
+    },
+    /// A side of a wall crosses the axis.
+    WallCrossesAxis {
+        /// Its point farthest beyond the axis.
+        point: Point,
+    },
+    /// A wall overlaps another part of itself.
+    WallOverlaps {
+        /// A point of the wall's outline that lies inside the wall.
+        point: Point,
+    },
     /// Too few points for a curve.
     TooFewPoints {
         /// How many there are.
@@ -93,6 +124,38 @@ impl fmt::Display for ProfileError {
             ProfileErrorKind::ArcRadius { radius } => {
                 write!(f, "an arc's radius is {radius}; it must be finite and not negative")
             }
+            ProfileErrorKind::Thickness { thickness } => {
+                write!(f, "a wall's thickness is {thickness}; it must be positive and finite")
+            }
+            ProfileErrorKind::WallFolds { point, s, radius, distance } => write!(
+                f,
+                "the wall folds: at r = {}, z = {} (s = {}) the curve's radius is {}, and one side of \
+                 the wall is {} away on the inside of the bend",
+                short(point.r),
+                short(point.z),
+                short(*s),
+                short(*radius),
+                short(*distance)
+            ),
+            ProfileErrorKind::WallCorner { point } => write!(
+                f,
+                "the wall folds: beside the corner at r = {}, z = {} it is too thick for the length of \
+                 the segment",
+                short(point.r),
+                short(point.z)
+            ),
+            ProfileErrorKind::WallCrossesAxis { point } => write!(
+                f,
+                "the wall crosses the axis: one side of it reaches r = {} at z = {}",
+                short(point.r),
+                short(point.z)
+            ),
+            ProfileErrorKind::WallOverlaps { point } => write!(
+                f,
+                "the wall overlaps itself: at r = {}, z = {} one side of it lies within another part",
+                short(point.r),
+                short(point.z)
+            ),
             ProfileErrorKind::TooFewPoints { found } => {
                 write!(
                     f,
@@ -102,6 +165,11 @@ impl fmt::Display for ProfileError {
             }
         }
     }
+}
+
+/// A computed number to six digits.
+fn short(x: f64) -> f64 {
+    format!("{x:.5e}").parse().unwrap_or(x)
 }
 
 impl core::error::Error for ProfileError {}

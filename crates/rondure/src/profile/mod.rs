@@ -2,7 +2,7 @@
 //!
 //! A [`Profile`] is one or more [`Subpath`]s, each a chain of [`Segment`]s; it is checked when it is
 //! built and never changes. `path_data.rs` reads it from text, `builder.rs` from code, `spline.rs`
-//! from points; `caps.rs` closes open ends.
+//! from points; `caps.rs` closes open ends, `thickness/` makes walls.
 
 mod builder;
 mod caps;
@@ -12,12 +12,14 @@ mod path_data;
 mod plane_map;
 mod segment;
 mod spline;
+mod thickness;
 
 pub use builder::ProfileBuilder;
 pub use error::{ProfileError, ProfileErrorKind};
 pub use plane_map::PlaneMap;
 pub use segment::{Arc, Point, Segment};
 pub use spline::Spline;
+pub use thickness::{ACCURACY as OFFSET_ACCURACY, Rim, Side, Thickness};
 
 /// A profile: what is swept round the axis to make a surface of revolution.
 ///

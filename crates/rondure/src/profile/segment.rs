@@ -116,6 +116,21 @@ impl Segment {
         }
     }
 
+    /// The segment moved, with one rounding of each coordinate.
+    pub(crate) fn moved(&self, by: Point) -> Self {
+        match self {
+            Self::Line(p) => Self::Line(p.map(|p| p + by)),
+            Self::Quadratic(p) => Self::Quadratic(p.map(|p| p + by)),
+            Self::Cubic(p) => Self::Cubic(p.map(|p| p + by)),
+            Self::Arc(arc) => Self::Arc(Arc {
+                start: arc.start + by,
+                end: arc.end + by,
+                center: arc.center + by,
+                ..*arc
+            }),
+        }
+    }
+
     /// Whether the segment is one point: all its control points coincide.
     pub(crate) fn is_point(&self) -> bool {
         let all = |p: &[Point]| p.iter().all(|q| *q == p[0]);

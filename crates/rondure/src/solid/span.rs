@@ -108,7 +108,8 @@ impl<W> Clip<W> {
         let [low, high] = self.range;
         let enter = if enter.t < low { Boundary { t: low, wall: None } } else { enter };
         let exit = if exit.t > high { Boundary { t: high, wall: None } } else { exit };
-        if enter.t < exit.t {
+        // A range that is not a number holds nothing.
+        if low <= high && enter.t < exit.t {
             spans.push(Span { enter, exit });
         }
     }
