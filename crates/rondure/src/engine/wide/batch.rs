@@ -40,8 +40,11 @@ struct Lot {
     length2: Column,
     range: [Column; 2],
     far: Column,
-    /// Those that are still looking for a block with a spot, as numbered in the lot, and their ways.
-    seeking: Vec<(u32, Way)>,
+    ways: Vec<Way>,
+    /// Those that are still looking for a block, as numbered in the lot.
+    seeking: Vec<u32>,
+    /// Whether something of them is not certain.
+    unsure: [bool; LOT + WIDTH],
     entries: Vec<Entry>,
     tasks: Vec<Task>,
     /// Those that have to be answered one by one.
@@ -51,8 +54,8 @@ struct Lot {
 /// Where a ray enters its nearest block, and the one after that.
 #[derive(Clone, Copy)]
 struct Entry {
-    /// The place of the ray among those that are seeking.
-    place: u32,
+    /// The ray, as numbered in the lot.
+    ray: u32,
     block: u32,
     enter: f32,
     next: f32,
@@ -108,10 +111,7 @@ impl Wide {
                 lot.approach(simd, self, frame, rays, next);
                 next += WIDTH;
             }
-            for i in 0..lot.len {
-                let way = Way::new(simd, self, &lot.course(i));
-                lot.seeking.push((i as u32, way));
-            }
+            lot.start(simd, self);
             while !lot.seeking.is_empty() {
                 self.enter_blocks(simd, &mut lot);
                 self.find_spots(simd, &mut lot);
@@ -144,25 +144,10 @@ impl Wide {
                 lot.approach(simd, self, frame, rays, next);
                 next += WIDTH;
             }
-            for i in 0..lot.len {
-                let course = lot.course(i);
-                let end = course.range[1];
-                let mut way = Way::new(simd, self, &course);
-                let mut unsure = false;
-                while let Some((block, enter)) = way.next(simd, self, end) {
-                    let meeting = self.blocks[block].test::<S, true>(simd, &course, enter, end);
-                    if meeting.sure != 0 {
-                        if let Some(hit) = hits.get_mut(lot.ray[i] as usize) {
-                            *hit = true;
-                        }
-                        unsure = false;
-                        break;
-                    }
-                    unsure |= meeting.may | meeting.tangent != 0;
-                }
-                if unsure {
-                    lot.single.push(lot.ray[i]);
-                }
+            lot.start(simd, self);
+            while !lot.seeking.is_empty() {
+                self.enter_blocks(simd, &mut lot);
+                self.find_any(simd, &mut lot, hits);
             }
             for &ray in lot.single.iter().filter(|&&ray| (ray as usize) < count) {
                 let question = Question { pieces, frame, ray: &rays.get(ray as usize) };
@@ -175,34 +160,62 @@ impl Wide {
     #[inline(always)]
     fn enter_blocks<S: Simd>(&self, simd: S, lot: &mut Lot) {
         lot.entries.clear();
-        for (place, (ray, way)) in lot.seeking.iter_mut().enumerate() {
-            let end = lot.range[1][*ray as usize];
-            let Some((block, enter)) = way.next(simd, self, end) else { continue };
+        for &ray in &lot.seeking {
+            let way = &mut lot.ways[ray as usize];
+            let end = lot.range[1][ray as usize];
+            let Some((block, enter)) = way.next(simd, self, end) else {
+                if lot.unsure[ray as usize] {
+                    lot.single.push(lot.ray[ray as usize]);
+                }
+                continue;
+            };
             let next = way.least(simd);
-            lot.entries.push(Entry { place: place as u32, block: block as u32, enter, next });
+            lot.entries.push(Entry { ray, block: block as u32, enter, next });
+        }
+        lot.seeking.clear();
+    }
+
+    /// Finds rays that have a hit for certain in their block; others go on seeking.
+    #[inline(always)]
+    fn find_any<S: Simd>(&self, simd: S, lot: &mut Lot, hits: &mut [bool]) {
+        for &Entry { ray, block, enter, next } in &lot.entries {
+            let number = ray as usize;
+            let course = lot.course(number);
+            let end = course.range[1];
+            let block = &self.blocks[block as usize];
+            let meeting = block.test::<S, true>(simd, &course, enter, end);
+            let index = lot.ray[number];
+            if meeting.sure != 0 {
+                if let Some(hit) = hits.get_mut(index as usize) {
+                    *hit = true;
+                }
+                continue;
+            }
+            lot.unsure[number] |= meeting.may | meeting.tangent != 0;
+            if f64::from(next) <= end {
+                lot.seeking.push(ray);
+            } else if lot.unsure[number] {
+                lot.single.push(index);
+            }
         }
     }
 
     /// Finds the nearest spot in the block of each ray; those that have none go on seeking.
     #[inline(always)]
     fn find_spots<S: Simd>(&self, simd: S, lot: &mut Lot) {
-        let mut still = 0;
         for k in 0..lot.entries.len() {
-            let Entry { place, block, enter, next } = lot.entries[k];
-            let (place, block) = (place as usize, block as usize);
-            let ray = lot.seeking[place].0;
+            let Entry { ray, block, enter, next } = lot.entries[k];
             let course = lot.course(ray as usize);
             let end = course.range[1];
+            let block = block as usize;
             let meeting = self.blocks[block].test::<S, false>(simd, &course, enter, end);
             if meeting.tangent != 0 {
                 lot.single.push(lot.ray[ray as usize]);
                 continue;
             }
             if meeting.may == 0 {
-                // Entries are in the order of places.
                 if f64::from(next) <= end {
-                    lot.seeking.swap(still, place);
-                    still += 1;
+                    lot.seeking.push(ray);
                 }
                 continue;
             }
@@ -211,7 +224,6 @@ impl Wide {
             let next = spots.least(simd).min(f64::from(next));
             lot.tasks.push(Task { ray, leaf: (block * LANES + lane) as u32, spot, next });
         }
-        lot.seeking.truncate(still);
     }
 
     /// Finds the hits at all spots.
@@ -289,7 +301,9 @@ impl Lot {
             length2: column,
             range: [column; 2],
             far: column,
+            ways: (0..LOT).map(|_| Way::NONE).collect(),
             seeking: Vec::with_capacity(LOT),
+            unsure: [false; LOT + WIDTH],
             entries: Vec::with_capacity(LOT),
             tasks: Vec::with_capacity(LOT),
             single: Vec::with_capacity(LOT),
@@ -301,6 +315,20 @@ impl Lot {
         self.seeking.clear();
         self.tasks.clear();
         self.single.clear();
+    }
+
+    /// Lets all rays seek.
+    #[inline(always)]
+    fn start<S: Simd>(&mut self, simd: S, wide: &Wide) {
+        for i in 0..self.len.min(LOT) {
+            let course = self.course(i);
+            let way = &mut self.ways[i];
+            way.restart(simd, wide, &course);
+            self.unsure[i] = false;
+            if !way.is_over(simd, course.range[1]) {
+                self.seeking.push(i as u32);
+            }
+        }
     }
 
     #[inline(always)]

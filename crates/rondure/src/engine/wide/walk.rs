@@ -22,7 +22,7 @@ pub(super) struct Way {
 
 /// Sixteen boxes of which some wait.
 #[derive(Clone, Copy)]
-#[repr(C, align(64))]
+#[repr(C, align(16))]
 struct Vector {
     enter: [f32; WIDTH],
     waiting: u32,
@@ -38,6 +38,22 @@ impl Way {
         let level = wide.levels.len() - 1;
         let current = Vector::new(simd, wide, &slabs, level, 0, ray.range[1]);
         Self { slabs, level, current, above: ArrayVec::new() }
+    }
+
+    /// The way of no ray.
+    pub(super) const NONE: Self =
+        Self { slabs: Slabs::NONE, level: 0, current: Vector::NONE, above: ArrayVec::new_const() };
+
+    /// Makes it that of another ray, in place.
+    #[inline(always)]
+    pub(super) fn restart<S: Simd>(&mut self, simd: S, wide: &Wide, ray: &Course) {
+        self.slabs = Slabs::new(ray);
+        self.level = wide.levels.len() - 1;
+        self.above.clear();
+        self.current.start = 0;
+        let boxes = &wide.levels[self.level][0];
+        let end = beyond(ray.range[1]);
+        self.current.waiting = boxes.test(simd, &self.slabs, end, &mut self.current.enter);
     }
 
     /// The next block that the ray may meet before `end`, and where it enters the box round it.
@@ -86,6 +102,8 @@ impl Way {
 }
 
 impl Vector {
+    const NONE: Self = Self { enter: [0.0; WIDTH], waiting: 0, start: 0 };
+
     #[inline(always)]
     fn new<S: Simd>(
         simd: S,
@@ -118,6 +136,10 @@ impl Vector {
 
     #[inline(always)]
     fn least<S: Simd>(&self, simd: S) -> f32 {
+        // Mostly so.
+        if self.waiting == 0 {
+            return f32::INFINITY;
+        }
         least(simd, self.enters(simd), self.waiting)
     }
 
