@@ -112,15 +112,16 @@ impl Block {
         let diameter = (4.0 * width + height * height).sqrt();
         // No terms of U tau^2 + 2 V tau + W are larger than these, with |zeta| <= height and
         // |b tau| <= 2 width, and fewer than 12 roundings go into each, those of the ray among them.
-        let largest = a * (8.0 * width + depth) + 3.0 * (b * height) + 6.0 * (p * height * height) + c;
+        let largest =
+            a * (8.0 * width + depth) + 3.0 * (b * height) + 6.0 * (p * height * height) + c;
         let error = 1.01 * q.error + 12.0 * ROUNDOFF * largest;
         let growth = q.growth();
         let steepest = 0.5 * q.slope * growth;
         let v_most = a * width.sqrt() + b + 2.0 * (p * height);
         let w_most = a * depth + 2.0 * (b * height) + p * height * height + c;
         // The roundings of the discriminant, which may be larger than it.
-        let tangency = 1.01 * steepest * steepest
-            + 16.0 * ROUNDOFF * (v_most * v_most + (a + p) * w_most);
+        let tangency =
+            1.01 * steepest * steepest + 16.0 * ROUNDOFF * (v_most * v_most + (a + p) * w_most);
         // No root of the discriminant is larger, and tau is off by its roundings, too.
         let most = v_most + ((a + p) * w_most).sqrt();
         let blur = error + 8.0 * ROUNDOFF * (diameter * most);

@@ -172,3 +172,65 @@ fn load<S: Simd>(simd: S, lanes: &[f32; HALF]) -> f32x8<S> {
 fn splat<S: Simd>(simd: S, value: f32) -> f32x8<S> {
     f32x8::splat(simd, value)
 }
+
+#[cfg(test)]
+mod tests {
+    use fearless_simd::{Level, dispatch};
+
+    use super::*;
+    use crate::Vec3;
+
+    #[test]
+    fn points_of_rays_lie_in_boxes_that_they_enter_before() {
+        let mut state = 7_u64;
+        let mut number = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        for i in 0..20_000 {
+            let point = Vec3::new(number() - 0.5, number() - 0.5, 2.0 * number() - 1.0);
+            // Some along the axis, some across it, or nearly so.
+            let tiny = if i % 3 == 0 { 1e-9 } else { 1.0 };
+            let (across, up) = if i % 2 == 0 { (tiny, 1.0) } else { (1.0, tiny) };
+            let direction = Vec3::new(
+                across * (number() - 0.5),
+                across * (number() - 0.5),
+                up * (number() - 0.5),
+            );
+            let tau = 3.0 * number() / direction.length();
+            let origin = point - direction * tau;
+            let w = point.x * point.x + point.y * point.y;
+            let extents: Vec<_> = (0..16)
+                .map(|k| Extent {
+                    z: [point.z - number() * f64::from(k), point.z + number() * f64::from(k % 4)],
+                    w: [(w - number() * f64::from(k % 4)).max(0.0), w + number() * f64::from(k)],
+                })
+                .collect();
+            let a = direction.x * direction.x + direction.y * direction.y;
+            let course = Course {
+                origin,
+                direction,
+                a,
+                b: origin.x * direction.x + origin.y * direction.y,
+                c: origin.x * origin.x + origin.y * origin.y,
+                length2: direction.length_squared(),
+                far: origin.max_abs(),
+                range: [0.0, f64::INFINITY],
+                shift: 0.0,
+            };
+            let mut enter = [0.0; WIDTH];
+            let boxes = Boxes::new(&extents);
+            let slabs = Slabs::new(&course);
+            let mask = dispatch!(Level::new(), simd => {
+                boxes.test(simd, &slabs, f32::INFINITY, &mut enter)
+            });
+            assert_eq!(mask, 0xffff, "{course:?} {extents:?}");
+            assert!(
+                enter.iter().all(|&e| f64::from(e) <= tau * (1.0 + 1e-6) + 1e-6),
+                "{enter:?} {tau}"
+            );
+        }
+    }
+}

@@ -151,16 +151,76 @@ fn levels(mut extents: Vec<Extent>) -> Vec<Vec<Boxes>> {
 mod tests {
     use super::*;
     use crate::{Profile, piece};
+
+    /// The pieces of a profile, in units of which the radius is between 1 and 2.
+    fn pieces(text: &str) -> (Vec<Piece>, f64) {
+        let profile = Profile::from_path_data(text).unwrap();
+        let pieces: Vec<_> = profile.segments().flat_map(piece::cut).collect();
+        let size = |p: &Piece| p.start().length().max(p.end().length());
+        let unit =
+            crate::numeric::reciprocal_power_of_two(pieces.iter().map(size).fold(0.0, f64::max));
+        (pieces.into_iter().filter(|p| p.r != [0.0; 4]).collect(), unit)
+    }
+
+    const SHAPES: [&str; 6] = [
+        include_str!("../../../../../profiles/vase.path"),
+        include_str!("../../../../../profiles/goblet.path"),
+        include_str!("../../../../../profiles/column.path"),
+        "M 3 0 A 1 1 0 0 1 1 0 A 1 1 0 0 1 3 0 Z",
+        "M 0 -1 A 1 1 0 0 1 0 1",
+        "M 0 0 Q 1.5 0.2 1.6 1 C 1.5 2 1.2 2.5 1 4 A 1 2 10 0 0 0.5 5 L 0.2 6 L 0 6",
+    ];
+
     #[test]
-    fn stats() {
-        for name in ["vase", "goblet", "pawn", "column", "sphere", "torus", "cone"] {
-            let text = std::fs::read_to_string(format!("../../profiles/{name}.path")).unwrap();
-            let pieces: Vec<_> = Profile::from_path_data(&text).unwrap().segments().flat_map(piece::cut).filter(|p| p.r != [0.0;4]).collect();
-            let built = build(&pieces, 1.0);
+    fn curves_keep_to_their_quadrics() {
+        for shape in SHAPES {
+            let (pieces, unit) = pieces(shape);
             let mut row = Vec::new();
-            for (i, p) in (0..).zip(&pieces) { parts(i, p, 1.0, &mut row); }
-            println!("{name}: pieces {} leaves {} blocks {} levels {:?}", pieces.len(), row.len(), built.blocks.len(), built.levels.iter().map(Vec::len).collect::<Vec<_>>());
-            if name == "goblet" || name=="column" { for r in row.iter().take(120) { let f = &r.fit; println!("   {} a {:.3} b {:.3} p {:.3} err {:.1e} slope {:.1e} growth {:.1} guess {:.1e} {:?} valid {:?}", r.leaf.piece(), f.alpha, f.beta, f.p, f.error, f.slope*f.growth()*0.5, f.growth(), f.guess.error, f.guess.pole, f.valid); } }
+            for (index, piece) in (0..).zip(&pieces) {
+                parts(index, piece, unit, &mut row);
+            }
+            for Part { fit, leaf, .. } in &row {
+                let piece = &pieces[leaf.piece() as usize];
+                let [low, high] = fit.valid;
+                let at = |u: f64| {
+                    let point = piece.jet(low + u * (high - low)).point;
+                    let (w, zeta) = ((point.r * unit).powi(2), point.z * unit - fit.z);
+                    let q = fit.alpha * w + fit.gamma + zeta * (fit.beta + fit.p * zeta);
+                    (fit.lambda[0] * zeta + fit.lambda[1] * w + fit.lambda[2], q)
+                };
+                let mut last = at(0.0);
+                for i in 1..=64 {
+                    let (lambda, q) = at(f64::from(i) / 64.0);
+                    assert!(q.abs() <= fit.error + 1e-14, "{q} beyond {}", fit.error);
+                    let steps = (lambda - last.0, q - last.1);
+                    assert!(steps.0 > 0.0 && lambda.abs() < 1.5, "{lambda} after {}", last.0);
+                    assert!(
+                        steps.1.abs() <= fit.slope * steps.0 + 1e-14,
+                        "{steps:?} {}",
+                        fit.slope
+                    );
+                    last = (lambda, q);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn leaves_cover_their_pieces_and_blocks_are_full() {
+        for shape in SHAPES {
+            let (pieces, unit) = pieces(shape);
+            let built = build(&pieces, unit);
+            assert_eq!(built.leaves.len(), built.blocks.len() * LANES);
+            let mut row = Vec::new();
+            for (index, piece) in (0..).zip(&pieces) {
+                parts(index, piece, unit, &mut row);
+            }
+            let inner = |part: &&Part| part.fit.valid[0] > 0.0;
+            for pair in row.windows(2).filter(|pair| inner(&&pair[1])) {
+                assert!(pair[0].fit.valid[1] > pair[1].fit.valid[0], "a gap between leaves");
+            }
+            // Boxes must not be cut where that makes more of them than it saves.
+            assert!(built.blocks.len() <= 2 * row.len().div_ceil(LANES), "{}", built.blocks.len());
         }
     }
 }

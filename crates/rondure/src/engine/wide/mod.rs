@@ -1,13 +1,13 @@
-//! The wide engine: sixteen leaves of the profile tested at once.
+//! The wide engine: eight leaves of the profile tested at once.
 //!
 //! ```text
-//! Ray -> Course (f64) -> Probe (f32) -> boxes (x 16) -> blocks of quadrics (x 16) -> Spot -> leaf (f64) -> Hit
+//! Ray -> Course (f64) -> Way: boxes (f32 x 8) -> blocks of quadrics (f32 x 8) -> Spot -> leaf (f64) -> Hit
 //! ```
 //!
 //! A *leaf* is a part of a piece with a quadric of revolution close beside it ([`quadric`]). [`block`] solves
-//! the quadratic equations of sixteen of them at once, in f32, with bounds for all that this leaves out: it
+//! the quadratic equations of eight of them at once, in f32, with bounds for all that this leaves out: it
 //! says where the ray may hit each leaf, that it does so once at the most there, and how far off that may be.
-//! [`leaf`] goes on from the nearest such spot to the hit itself, in f64. What is not certain (tangents,
+//! [`leaf`] goes on from the nearest such spot to the hit itself, by Newton's method in f64. What is not certain (tangents,
 //! joints within rounding, hits that rounding could put in another order or out of the range) is left to the
 //! exact engine's [`root`]. Both engines therefore find the same hits on the same pieces, t apart by rounding.
 //!
@@ -42,7 +42,7 @@ use crate::numeric::{UNIT_ROUNDOFF, gamma, reciprocal_power_of_two};
 use crate::piece::Piece;
 use crate::surface::Hit;
 
-/// The pieces of a profile, ready to be tested sixteen at a time.
+/// The pieces of a profile, ready to be tested eight leaves at a time.
 #[derive(Clone, Debug)]
 pub(crate) struct Wide {
     level: Level,
@@ -154,71 +154,6 @@ impl Wide {
             Ok(course) => self.all_on(simd, question, &course, hits),
             Err(Astray::Misses) => {}
             Err(Astray::Strange) => self.all_exactly(question, hits),
-        }
-    }
-}
-
-#[cfg(test)]
-mod timing {
-    use super::*;
-    use crate::{Profile, Vec3, piece};
-    use cpu_time::ThreadTime;
-    use core::hint::black_box;
-
-    #[inline(always)]
-    fn part<S: Simd>(simd: S, wide: &Wide, frame: &Frame, ray: &Ray, stage: u32, pieces: &[Piece]) -> f64 {
-        let Ok(course) = Course::new::<false>(Best(simd), frame, ray, &wide.outline) else { return 0.0 };
-        if stage == 0 { return course.b; }
-        if stage == 5 {
-            let m = wide.blocks[1].test::<S, true>(simd, &course, 0.0, course.range[1]);
-            return f64::from(m.sure);
-        }
-        let mut way = walk::Way::new(simd, wide, &course);
-        let Some((block, enter)) = way.next(simd, wide, course.range[1]) else { return 0.0 };
-        if stage == 1 { return block as f64; }
-        if stage == 2 {
-            let m = wide.blocks[block].test::<S, true>(simd, &course, enter, course.range[1]);
-            return f64::from(m.sure);
-        }
-        let m = wide.blocks[block].test::<S, false>(simd, &course, enter, course.range[1]);
-        if m.may == 0 { return 1.0; }
-        let mut spots = search::Spots::new(m);
-        let (lane, spot) = spots.first(simd);
-        if stage == 3 { return spot.tau + lane as f64; }
-        let leaf = &wide.leaves[block * 8 + lane];
-        let _ = pieces;
-        if let leaf::Finding::Hit { tau, s, .. } = leaf.hit(Best(simd), &wide.curves, &course, spot) { return tau + s; }
-        2.0
-    }
-
-    #[test]
-    fn time() {
-        let text = std::fs::read_to_string("../../profiles/vase.path").unwrap();
-        let pieces: Vec<_> = Profile::from_path_data(&text).unwrap().segments().flat_map(piece::cut).map(|p| p.lowered(0.5)).filter(|p| p.r != [0.0; 4]).collect();
-        let wide = Wide::new(&pieces, 0.6, Level::new());
-        let frame = Frame::unplaced(0.5, 0.6);
-        let mut state = 1_u64;
-        let mut number = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1_u64 << 53) as f64
-        };
-        let rays: Vec<_> = (0..1 << 16).map(|_| {
-            let o = Vec3::new(number() - 0.5, number() - 0.5, number() - 0.5).normalized() * 0.6 + Vec3::new(0.0, 0.0, 0.5);
-            let t = Vec3::new(number() * 0.6 - 0.3, number() * 0.6 - 0.3, number());
-            Ray::new(o, t - o)
-        }).collect();
-        for stage in std::env::var("STAGES").map_or(vec![0, 5, 1, 2, 3, 4], |s| s.split(',').map(|s| s.parse().unwrap()).collect()) {
-            let mut best = f64::INFINITY;
-            for _ in 0..std::env::var("REP").map_or(9, |r| r.parse().unwrap()) {
-                let start = ThreadTime::now();
-                dispatch!(wide.level, simd => {
-                    let mut sum = 0.0;
-                    for ray in &rays { sum += part(simd, &wide, &frame, ray, stage, &pieces); }
-                    black_box(sum);
-                });
-                best = best.min(start.elapsed().as_secs_f64() / rays.len() as f64 * 1e9);
-            }
-            println!("stage {stage}: {best:.2} ns");
         }
     }
 }

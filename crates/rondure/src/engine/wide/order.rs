@@ -43,3 +43,26 @@ pub(super) fn least<S: Simd>(simd: S, values: [f32x8<S>; 2], mask: u32) -> f32 {
         f32::NEG_INFINITY
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use fearless_simd::{Level, dispatch};
+
+    use super::*;
+
+    #[test]
+    fn the_least_in_the_mask_comes_first() {
+        let values =
+            [5.0, 2.0, 9.0, 0.5, 4.0, 3.0, 7.0, 8.0, 1.0, 0.25, 6.0, 5.5, 2.5, 3.5, 4.5, -1.0];
+        let cases =
+            [(0xffff, 15, f32::NEG_INFINITY), (0x7fff, 9, 0.25), (0x00f7, 1, 2.0), (0x8, 3, 0.5)];
+        for (mask, number, value) in cases {
+            let found = dispatch!(Level::new(), simd => {
+                let halves = [&values[..8], &values[8..]].map(|half| f32x8::from_slice(simd, half));
+                (first(simd, halves, mask), least(simd, halves, mask))
+            });
+            assert_eq!(found.0, number);
+            assert!(found.1 <= value && found.1 >= value * (1.0 - 1e-5), "{found:?}");
+        }
+    }
+}

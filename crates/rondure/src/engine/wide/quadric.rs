@@ -233,7 +233,8 @@ impl Quadric {
             let across = part.slope(&part.combine(coefficients(&self)));
             let largest = |p: &Polynomial| p.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
             // Terms may cancel, and what rounding leaves of them is that part of the terms.
-            let terms = [[self.alpha, 0.0, 0.0, 0.0], [0.0, self.beta, 0.0, 0.0], [0.0, 0.0, 0.0, self.p]];
+            let terms =
+                [[self.alpha, 0.0, 0.0, 0.0], [0.0, self.beta, 0.0, 0.0], [0.0, 0.0, 0.0, self.p]];
             let term = terms.map(|one| largest(&part.slope(&part.combine(one))));
             let no_across = NOTHING * term.into_iter().fold(0.0, f64::max);
             let no_along = NOTHING * largest(&along);

@@ -58,12 +58,7 @@ impl Way {
 
     /// The next block that the ray may meet before `end`, and where it enters the box round it.
     #[inline(always)]
-    pub(super) fn next<S: Simd>(
-        &mut self,
-        simd: S,
-        wide: &Wide,
-        end: f64,
-    ) -> Option<(usize, f32)> {
+    pub(super) fn next<S: Simd>(&mut self, simd: S, wide: &Wide, end: f64) -> Option<(usize, f32)> {
         loop {
             let Some((number, enter)) = self.current.next(simd, end) else {
                 self.current = self.above.pop()?;
