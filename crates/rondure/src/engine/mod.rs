@@ -38,7 +38,7 @@ use crate::shell::Cone;
 /// The part of an engine that searches.
 #[derive(Clone, Debug)]
 pub(crate) enum Engine {
-    /// Sixteen pieces at once.
+    /// Eight parts of pieces at once.
     Wide(Box<Wide>),
     /// A tree with one piece in each leaf.
     Exact(Tree<Cone>),

@@ -5,7 +5,7 @@ use fearless_simd::Level;
 /// How to find the pieces of the profile that a ray may hit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
-    /// The wide engine, the default: the profile's own curves, sixteen pieces tested at once.
+    /// The wide engine, the default: the profile's own curves, eight parts of them tested at once.
     Wide,
     /// The exact engine: the profile's own curves, a tree of hybrid shells.
     Exact,

@@ -158,7 +158,7 @@ impl Quadric {
         let widest = [s0 - beyond, s1 + beyond];
         let mut best = Self::on(&curve, [s0, s1], widest);
         // Beyond an end of the piece its curve may turn.
-        if (widest[0] < 0.0 || widest[1] > 1.0) && !(best.slope < f64::INFINITY) {
+        if (widest[0] < 0.0 || widest[1] > 1.0) && !best.slope.is_finite() {
             best = Self::on(&curve, [s0, s1], [widest[0].max(0.0), widest[1].min(1.0)]);
         }
         best
