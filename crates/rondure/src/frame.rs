@@ -99,6 +99,17 @@ impl Frame {
         }
     }
 
+    /// Bounds on the terms that [`turn`](Self::turn) adds up, for the origin and for the direction.
+    #[inline(always)]
+    pub(crate) fn turned_size(&self, ray: &Ray) -> [f64; 2] {
+        let (o, d) = ((ray.origin - self.center).abs(), ray.direction.abs());
+        let Some([x, y, z]) = self.inverse.as_ref().map(|rows| rows.map(Vec3::abs)) else {
+            return [o.max_abs(), d.max_abs()];
+        };
+        let most = |v: Vec3| x.dot(v).max(y.dot(v)).max(z.dot(v));
+        [most(o), most(d)]
+    }
+
     /// A point relative to the surface's centre, in the directions of the world: each coordinate as a sum.
     #[inline(always)]
     pub(crate) fn relative(&self, point: Vec3) -> [(f64, f64); 3] {

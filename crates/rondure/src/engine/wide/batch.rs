@@ -342,6 +342,7 @@ impl Lot {
             c: self.abc[2][i],
             length2: self.length2[i],
             far: self.far[i],
+            turn: 0.0,
             range: [self.range[0][i], self.range[1][i]],
             shift: 0.0,
         }

@@ -22,12 +22,16 @@ use fearless_simd::{Simd, f32x8};
 use super::boxes::{Extent, PADDING};
 use super::course::Course;
 use super::quadric::Quadric;
+use crate::numeric::UNIT_ROUNDOFF;
 
 /// How many leaves are tested at once.
 pub(super) const LANES: usize = 8;
 
 /// The unit roundoff of f32.
 const ROUNDOFF: f64 = 0.5 * f32::EPSILON as f64;
+
+/// How far off rounding may put a hit of the exact engine, of a radius of at most 2.
+const EXACT: f64 = 128.0 * UNIT_ROUNDOFF;
 
 type Lanes = [f32; LANES];
 
@@ -114,7 +118,8 @@ impl Block {
         // |b tau| <= 2 width, and fewer than 12 roundings go into each, those of the ray among them.
         let largest =
             a * (8.0 * width + depth) + 3.0 * (b * height) + 6.0 * (p * height * height) + c;
-        let error = 1.01 * q.error + 12.0 * ROUNDOFF * largest;
+        // The exact engine may find hits that lie by its own roundings beside the ray.
+        let error = 1.01 * q.error + 12.0 * ROUNDOFF * largest + EXACT;
         let growth = q.growth();
         let steepest = 0.5 * q.slope * growth;
         let v_most = a * width.sqrt() + b + 2.0 * (p * height);
@@ -138,7 +143,7 @@ impl Block {
         for (lanes, own) in self.lambda.iter_mut().zip([lz, lw, l0]) {
             lanes[lane] = own as f32;
         }
-        self.height[lane] = (q.height + 8.0 * ROUNDOFF * height) as f32;
+        self.height[lane] = (q.height + 8.0 * ROUNDOFF * height + EXACT) as f32;
         self.tangency[lane] = finite(1.01 * tangency);
         self.bend[lane] = finite(2.02 * error);
         self.room[lane] = finite(1.01 * room);
@@ -237,7 +242,9 @@ impl Block {
             let around = ((tangency + tangency).sqrt() + load(simd, &self.blur)) / u.abs();
             let slope = l1.abs() + (l2 + l2).abs() * (middle.abs() + around);
             let lambda = l2.mul_add(middle, l1).mul_add(middle, l0).abs() - slope * around;
+            let zeta = dz.mul_add(middle, zeta).abs() - dz.abs() * around;
             let away = lambda.simd_gt(splat(simd, 1.125))
+                | zeta.simd_gt(load(simd, &self.height))
                 | (middle + around).simd_lt(start)
                 | (middle - around).simd_gt(end);
             tangent &= !away.to_bitmask() as u32;

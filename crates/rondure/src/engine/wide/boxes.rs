@@ -217,6 +217,7 @@ mod tests {
                 c: origin.x * origin.x + origin.y * origin.y,
                 length2: direction.length_squared(),
                 far: origin.max_abs(),
+                turn: 0.0,
                 range: [0.0, f64::INFINITY],
                 shift: 0.0,
             };

@@ -27,16 +27,25 @@ pub(super) struct Built {
 const MOST_PARTS: u32 = 32;
 /// Part of the radius that a quadric may be off the curve; a first guess is as far off.
 const FINE: f64 = 2e-5;
+/// By how much longer than expected a stretch may be tried.
+const LONGER: f64 = 0.1;
+/// About half the square of the sine below which an incidence counts as grazing.
+const GRAZING: f64 = 1e-3;
 /// How far its tangent may be off, as an angle.
 const SLOPE: f64 = 0.05;
 /// How far the first guess of the parameter may be off, as a part of the leaf.
 const GUESS: f64 = 1.0 / 256.0;
 
-/// Whether a stretch that is a part of a piece needs no further cut.
-fn is_fine(fit: &Quadric, [s0, s1]: [f64; 2]) -> bool {
-    fit.error <= FINE
-        && fit.slope * fit.growth() <= 2.0 * SLOPE
-        && fit.guess.error <= GUESS * (s1 - s0)
+/// How many times as far as it may be a quadric is from a stretch.
+fn excess(fit: &Quadric, [s0, s1]: [f64; 2]) -> f64 {
+    let excesses = [
+        fit.error / FINE,
+        fit.error * (fit.alpha.abs() + fit.p.abs()) / GRAZING,
+        // The slope grows with the second power of the length.
+        (0.5 * fit.slope * fit.growth() / SLOPE).powf(1.5),
+        fit.guess.error / (GUESS * (s1 - s0)),
+    ];
+    excesses.into_iter().fold(0.0, |most, excess| if excess <= most { most } else { excess })
 }
 
 /// Cuts a piece into stretches as long as quadrics beside them are near enough.
@@ -45,19 +54,25 @@ fn parts(index: u32, piece: &Piece, unit: f64, parts: &mut Vec<Part>) {
     let mut start = 0.0_f64;
     let mut length = 1.0_f64;
     while start < 1.0 {
-        // Longer than the last one at first, then shorter.
-        let mut tried: f64 = (4.0 / 3.0 * length).min(1.0 - start);
+        // What is left in equal parts, if they need not be much longer than expected.
+        let left = 1.0 - start;
+        let mut count = (left / length - LONGER).ceil().max(1.0);
         let (fit, end) = loop {
-            let tried_end = if start + tried > 1.0 - least { 1.0 } else { start + tried };
-            let fit = Quadric::new(piece, [start, tried_end], unit);
-            if is_fine(&fit, [start, tried_end]) || tried <= least {
-                break (fit, tried_end);
+            let tried = left / count;
+            let end = if count == 1.0 { 1.0 } else { start + tried };
+            let fit = Quadric::new(piece, [start, end], unit);
+            let excess = excess(&fit, [start, end]);
+            // The error grows with the third power of the length.
+            let longer = tried * (0.9 / excess.cbrt()).clamp(0.3, 1.5);
+            if excess <= 1.0 || tried <= least {
+                length = longer.max(least);
+                break (fit, end);
             }
-            tried = (0.8 * tried).max(least);
+            // More parts each time.
+            count = (left / longer.max(least)).ceil().max(count + 1.0);
         };
         let leaf = Leaf::new(piece.kind, index, &fit);
         parts.push(Part { fit, leaf, extent: extent(piece, [start, end], unit) });
-        length = end - start;
         start = end;
     }
 }

@@ -30,6 +30,8 @@ pub(super) struct Course {
     pub(super) length2: f64,
     /// The largest coordinate of the origin, or more.
     pub(super) far: f64,
+    /// The terms that the direction was turned by, whose rounding moves points by as much times tau.
+    pub(super) turn: f64,
     /// Between which parameters hits count.
     pub(super) range: [f64; 2],
     pub(super) shift: f64,
@@ -61,8 +63,8 @@ pub(super) const NEAR: f64 = 8.0;
 pub(super) const FAR: f64 = 4096.0;
 
 /// Squared lengths of directions, in these units, for which nothing overflows, not even in f32, or vanishes.
-pub(super) const SHORTEST: f64 = 1.0 / (1_u64 << 40) as f64;
-pub(super) const LONGEST: f64 = (1_u64 << 40) as f64;
+pub(super) const SHORTEST: f64 = 1.0 / (1_u64 << 60) as f64;
+pub(super) const LONGEST: f64 = (1_u64 << 60) as f64;
 
 impl Course {
     /// A ray as a surface sees it that stands in a frame. If that is not `PLACED`, the ray does not
@@ -98,11 +100,18 @@ impl Course {
                 return Err(Astray::Misses);
             }
         }
+        let mut turn = 0.0;
+        if PLACED && frame.inverse().is_some() {
+            let [of_origin, of_direction] = frame.turned_size(ray);
+            far = greater(far, of_origin * unit);
+            turn = of_direction * unit;
+        }
         let mut shift = 0.0;
-        if !(far <= NEAR) {
+        if !(greater(greater(origin.x.abs(), origin.y.abs()), origin.z.abs()) <= NEAR) {
             shift = -origin.dot(direction) / length2;
             origin = approached(fma, frame, ray, unit, shift);
-            far = NEAR;
+            // Moving it has lost nothing; turning it may have.
+            far = if PLACED { greater(far, NEAR) } else { NEAR };
         }
         let b = origin.x * direction.x + origin.y * direction.y;
         let c = origin.x * origin.x + origin.y * origin.y;
@@ -112,12 +121,13 @@ impl Course {
             return Err(Astray::Misses);
         }
         let range = [ray.t_min - shift, ray.t_max - shift];
-        Ok(Self { origin, direction, a, b, c, length2, far, range, shift })
+        Ok(Self { origin, direction, a, b, c, length2, far, turn, range, shift })
     }
 
-    /// A ray that has come near already, with parameters of its own.
+    /// A ray that has come near already, with a direction between 1 and 4 long; tau is its own parameter times the
+    /// unit of length.
     pub(super) fn of(ray: &LocalRay, outline: &Outline) -> Self {
-        let (o, d) = (ray.origin * outline.unit, ray.direction * outline.unit);
+        let (o, d) = (ray.origin * outline.unit, ray.direction);
         let a = d.x * d.x + d.y * d.y;
         Self {
             origin: o,
@@ -127,7 +137,8 @@ impl Course {
             c: o.x * o.x + o.y * o.y,
             length2: a + d.z * d.z,
             far: o.max_abs(),
-            range: ray.range,
+            turn: 0.0,
+            range: ray.range.map(|t| t * outline.unit),
             shift: 0.0,
         }
     }

@@ -218,7 +218,8 @@ impl Leaf {
         if !(there && valid) {
             return Finding::Unknown;
         }
-        let rounding = ROUNDING * (2.0 + course.far) * step.per.abs();
+        let size = 2.0 + course.far + tau.abs() * course.turn;
+        let rounding = ROUNDING * size * step.per.abs();
         let off_s = rounding * step.along;
         let off = rounding * step.across + 4.0 * UNIT_ROUNDOFF * (tau.abs() + course.shift.abs());
         let [start, end] = course.range;
@@ -269,8 +270,9 @@ impl Step {
         let [r, dr, z, dz] = curve.at::<CONIC>(fma, s);
         let (x, y) = (fma.fused(d.x, tau, o.x), fma.fused(d.y, tau, o.y));
         let f = fma.fused(-d.z, tau, z - o.z);
-        let g = 0.5 * fma.fused(x, x, fma.fused(y, y, -(r * r)));
-        let rho = fma.fused(x, d.x, y * d.y);
+        // Without fused operations, so that x and y are alike: a quarter turn changes no bit.
+        let g = 0.5 * ((x * x + y * y) - r * r);
+        let rho = x * d.x + y * d.y;
         let w = r * dr;
         let per = 1.0 / fma.fused(dz, rho, -(w * d.z));
         let by_s = fma.fused(f, rho, d.z * g) * per;
@@ -335,8 +337,8 @@ impl Eight {
             let drop = z3.mul_add(s, inner_z + inner_z).mul_add(s, z1);
             let (x, y) = (dx.mul_add(tau, ox), dy.mul_add(tau, oy));
             let f = (-dz).mul_add(tau, z - oz);
-            let g = half * x.mul_add(x, y.mul_add(y, -(r * r)));
-            let rho = x.mul_add(dx, y * dy);
+            let g = half * ((x * x + y * y) - r * r);
+            let rho = x * dx + y * dy;
             let w = r * dr;
             per = f64x8::splat(simd, 1.0) / drop.mul_sub(rho, w * dz);
             by_s = f.mul_add(rho, dz * g) * per;

@@ -15,6 +15,8 @@
 //! it grows along the curve, which is therefore Q = h(lambda), with |h| <= `error` and |h'| <= `slope`.
 //! Both are bounds by Bernstein coefficients, good on the stretch and a little beyond.
 
+use arrayvec::ArrayVec;
+
 use super::bernstein::{Polynomial, derivative, polar, product};
 use crate::piece::{Kind, Piece};
 
@@ -172,7 +174,7 @@ impl Quadric {
         let z = 0.5 * (start[1] + end[1]);
         let r_max = start[0].max(end[0]);
         let lambda = lambda(start, end, z);
-        let parts: Vec<_> = (0..PARTS)
+        let parts: ArrayVec<_, PARTS> = (0..PARTS)
             .map(|i| {
                 let share = |i: usize| valid[0] + (valid[1] - valid[0]) * i as f64 / PARTS as f64;
                 Monomials::new(&curve.stretch([share(i), share(i + 1)]), z)

@@ -382,7 +382,7 @@ impl Wide {
                 if found == f64::NEG_INFINITY {
                     return;
                 }
-                end = end.min(found);
+                end = end.min(found * self.outline.unit);
             }
         }
     }
