@@ -132,8 +132,10 @@ fn check(name: &str, closed: bool, instance: &Instance, ray: &Ray, found: &mut u
         let closest = instance.closest(&ray);
         assert_eq!(closest.is_some(), !inside.is_empty(), "{} {range:?}", words());
         for (closest, first) in closest.iter().zip(&inside) {
-            // They come by different ways, from placements that are all but flat.
-            let near = (closest.t - first.t).abs() <= 1e-9 * first.t.abs();
+            // They come by different ways, from placements that are all but flat: off by the bound on
+            // rounding over the incidence, and by the last places of t.
+            let off = instance.interaction(&ray, first).error / ray.direction.length();
+            let near = (closest.t - first.t).abs() <= 16.0 * off + 1e-9 * first.t.abs();
             assert!(near, "{} {range:?} {closest:?}", words());
         }
         assert_eq!(closest.is_some(), instance.any(&ray), "{} {range:?}", words());

@@ -30,6 +30,11 @@ pub(super) const LANES: usize = 8;
 /// The unit roundoff of f32.
 const ROUNDOFF: f64 = 0.5 * f32::EPSILON as f64;
 
+/// What f32 holds the products of.
+const LARGEST: f64 = 1e12;
+/// More than any discriminant, and than any error that matters.
+const UNKNOWN: f32 = 1e30;
+
 /// How far off rounding may put a hit of the exact engine, of a radius of at most 2.
 const EXACT: f64 = 128.0 * UNIT_ROUNDOFF;
 
@@ -121,6 +126,13 @@ impl Block {
         // The exact engine may find hits that lie by its own roundings beside the ray.
         let error = 1.01 * q.error + 12.0 * ROUNDOFF * largest + EXACT;
         let growth = q.growth();
+        let all = [a, b, c, p, growth, q.lambda[0], q.lambda[1], q.lambda[2], q.slope, q.error];
+        if !all.iter().all(|v| v.abs() < LARGEST) {
+            // So short, or so curved, that f32 says nothing of it: it may always be hit.
+            self.tangency[lane] = UNKNOWN;
+            self.height[lane] = UNKNOWN;
+            return;
+        }
         let steepest = 0.5 * q.slope * growth;
         let v_most = a * width.sqrt() + b + 2.0 * (p * height);
         let w_most = a * depth + 2.0 * (b * height) + p * height * height + c;
@@ -134,7 +146,7 @@ impl Block {
         let l0 = l0 + lw * w;
         let lambda_size = (lz * height).abs() + 8.0 * (lw * width).abs() + l0.abs();
         let room = blur * growth + 12.0 * ROUNDOFF * (lambda_size * most);
-        let finite = |v: f64| if v < 1e30 { v as f32 } else { 1e30 };
+        let finite = |v: f64| if v < f64::from(UNKNOWN) { v as f32 } else { UNKNOWN };
         self.z[lane] = (q.z - z) as f32;
         self.alpha[lane] = q.alpha as f32;
         self.half_beta[lane] = (0.5 * q.beta) as f32;

@@ -62,6 +62,9 @@ pub(super) const NEAR: f64 = 8.0;
 /// From so far away k is good to 2^-40: [`Outline::reach2`] has room for that.
 pub(super) const FAR: f64 = 4096.0;
 
+/// A placement that is so flat that turning a ray cancels all but this part of it is for the exact engine.
+const FLAT: f64 = 64.0;
+
 /// Squared lengths of directions, in these units, for which nothing overflows, not even in f32, or vanishes.
 pub(super) const SHORTEST: f64 = 1.0 / (1_u64 << 60) as f64;
 pub(super) const LONGEST: f64 = (1_u64 << 60) as f64;
@@ -103,8 +106,12 @@ impl Course {
         let mut turn = 0.0;
         if PLACED && frame.inverse().is_some() {
             let [of_origin, of_direction] = frame.turned_size(ray);
-            far = greater(far, of_origin * unit);
             turn = of_direction * unit;
+            let lost = of_origin * unit > FLAT * (far + 2.0) || turn * turn > FLAT * FLAT * length2;
+            if lost {
+                return Err(Astray::Strange);
+            }
+            far = greater(far, of_origin * unit);
         }
         let mut shift = 0.0;
         if !(greater(greater(origin.x.abs(), origin.y.abs()), origin.z.abs()) <= NEAR) {

@@ -32,7 +32,7 @@ use fearless_simd::{Level, Simd, dispatch};
 use self::arithmetic::Best;
 use self::block::Block;
 use self::boxes::Boxes;
-use self::course::{Astray, Course, FAR, Outline, passes};
+use self::course::{Astray, Course, FAR, LONGEST, NEAR, Outline, SHORTEST, passes};
 use self::leaf::{Curve, Leaf};
 use self::search::Question;
 use super::counters::Count;
@@ -123,6 +123,14 @@ impl Wide {
         visit: impl FnMut(u32) -> f64,
     ) {
         let course = Course::of(ray, &self.outline);
+        // In a placement that is all but flat the point closest to the centre need not be near. Also
+        // where something is not a number.
+        let near = course.far <= NEAR && (SHORTEST..=LONGEST).contains(&course.length2);
+        if !near {
+            let all = 0..self.curves.len() as u32;
+            all.map(visit).find(|end| *end == f64::NEG_INFINITY);
+            return;
+        }
         dispatch!(self.level, simd => self.candidates_with(simd, &course, count, visit));
     }
 
