@@ -71,6 +71,7 @@ fn right_hull(mut points: Vec<Point>) -> Vec<Point> {
         }
         hull.push(p);
     }
+    hull.shrink_to_fit();
     hull
 }
 

@@ -117,6 +117,8 @@ impl Surface {
             details.retain(|_| of_details.next() == Some(true));
             pieces.retain(swept);
         }
+        pieces.shrink_to_fit();
+        details.shrink_to_fit();
         let mut polyline = None;
         if !exact {
             let (sources, frusta) = Polyline::sample(pieces, options.samples);

@@ -26,11 +26,12 @@ pub(super) struct Built {
 /// Into how many parts a piece is cut at the most.
 const MOST_PARTS: u32 = 32;
 /// Part of the radius that a quadric may be off the curve; a first guess is as far off.
-const FINE: f64 = 2e-5;
+const FINE: f64 = 5e-5;
 /// By how much longer than expected a stretch may be tried.
 const LONGER: f64 = 0.1;
-/// About half the square of the sine below which an incidence counts as grazing.
-const GRAZING: f64 = 1e-3;
+/// The most of the error times the curvature. A ray may be tangent to a leaf where Q' is less than some
+/// sqrt(8) times the square root of that, if it runs along the axis, and less otherwise.
+const GRAZING: f64 = 1e-2;
 /// How far its tangent may be off, as an angle.
 const SLOPE: f64 = 0.05;
 /// How far the first guess of the parameter may be off, as a part of the leaf.
@@ -146,6 +147,8 @@ pub(super) fn build(pieces: &[Piece], unit: f64) -> Built {
         leaves.extend(core::iter::repeat_n(row[end - 1].leaf, LANES - parts.len()));
         start = end;
     }
+    blocks.shrink_to_fit();
+    leaves.shrink_to_fit();
     Built { blocks, leaves, levels: levels(boxes) }
 }
 
