@@ -274,6 +274,12 @@ impl Surface {
         if let Some(wide) = self.engine.wide() {
             return wide.closest(&self.pieces, frame, ray);
         }
+        self.closest_by_walk(frame, ray)
+    }
+
+    /// The same with any engine.
+    #[inline(never)]
+    fn closest_by_walk(&self, frame: &Frame, ray: &Ray) -> Option<Hit> {
         let local = frame.enter(ray)?;
         let meridian = Meridian::new(local.origin, local.direction);
         let mut closest: Option<Hit> = None;
@@ -296,6 +302,12 @@ impl Surface {
         if let Some(wide) = self.engine.wide() {
             return wide.any(&self.pieces, frame, ray);
         }
+        self.any_by_walk(frame, ray)
+    }
+
+    /// The same with any engine.
+    #[inline(never)]
+    fn any_by_walk(&self, frame: &Frame, ray: &Ray) -> bool {
         let Some(local) = frame.enter(ray) else { return false };
         let meridian = Meridian::new(local.origin, local.direction);
         let mut end = local.range[1];

@@ -88,24 +88,45 @@ impl Wide {
     pub(crate) fn closest(&self, pieces: &[Piece], frame: &Frame, ray: &Ray) -> Option<Hit> {
         let question = Question { pieces, frame, ray };
         if frame.inverse().is_some() {
-            return dispatch!(self.level, simd => self.closest_with::<_, true>(simd, &question));
+            return self.closest_placed(&question);
         }
         if passes(ray, &self.outline) {
             return None;
         }
-        dispatch!(self.level, simd => self.closest_with::<_, false>(simd, &question))
+        self.closest_unplaced(&question)
+    }
+
+    // Compiled once, for all instruction sets, and not wherever they are called.
+    #[inline(never)]
+    fn closest_placed(&self, question: &Question<'_>) -> Option<Hit> {
+        dispatch!(self.level, simd => self.closest_with::<_, true>(simd, question))
+    }
+
+    #[inline(never)]
+    fn closest_unplaced(&self, question: &Question<'_>) -> Option<Hit> {
+        dispatch!(self.level, simd => self.closest_with::<_, false>(simd, question))
+    }
+
+    #[inline(never)]
+    fn any_placed(&self, question: &Question<'_>) -> bool {
+        dispatch!(self.level, simd => self.any_with::<_, true>(simd, question))
+    }
+
+    #[inline(never)]
+    fn any_unplaced(&self, question: &Question<'_>) -> bool {
+        dispatch!(self.level, simd => self.any_with::<_, false>(simd, question))
     }
 
     #[inline]
     pub(crate) fn any(&self, pieces: &[Piece], frame: &Frame, ray: &Ray) -> bool {
         let question = Question { pieces, frame, ray };
         if frame.inverse().is_some() {
-            return dispatch!(self.level, simd => self.any_with::<_, true>(simd, &question));
+            return self.any_placed(&question);
         }
         if passes(ray, &self.outline) {
             return false;
         }
-        dispatch!(self.level, simd => self.any_with::<_, false>(simd, &question))
+        self.any_unplaced(&question)
     }
 
     pub(crate) fn all(&self, pieces: &[Piece], frame: &Frame, ray: &Ray, hits: &mut Vec<Hit>) {
