@@ -8,6 +8,8 @@ use rondure::{
 
 /// A profile of at most this many segments.
 const SEGMENTS: u8 = 12;
+/// How far the length of a normal may be from 1: a few roundings make less than a thousandth of that.
+const UNIT: f64 = 1e-9;
 /// And at most this many rays.
 const RAYS: u8 = 6;
 
@@ -49,7 +51,7 @@ fn queries(surface: &Surface, ray: &Ray, even: bool) {
     for hit in hits.iter().chain(&closest) {
         assert!((0.0..=1.0).contains(&hit.s), "{ray:?} {hit:?}");
         let at = surface.interaction(ray, hit);
-        let unit = (at.normal.length() - 1.0).abs() < 1e-9;
+        let unit = (at.normal.length() - 1.0).abs() < UNIT;
         assert!(at.point.is_finite() && unit, "{ray:?} {hit:?} {at:?}");
     }
     if even {

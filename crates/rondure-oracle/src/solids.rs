@@ -9,6 +9,7 @@ use rondure::{
 
 use crate::{
     Oracle, Random, Tally,
+    compare::TANGENCY_BAND,
     laws::{Laws, RAYS_PER_ROUND},
 };
 
@@ -102,7 +103,8 @@ fn wrong_spans(
 
 /// Whether the surface passes within rounding of a point.
 fn solid_is_thin(solid: &Solid, p: Vec3, size: f64) -> bool {
-    solid.distance(p).abs() < 1e-12 * size || corners_differ(solid, p, 1e-12 * size)
+    let reach = TANGENCY_BAND * size;
+    solid.distance(p).abs() < reach || corners_differ(solid, p, reach)
 }
 
 /// Whether some corners of a small cube are inside and some are not.

@@ -111,6 +111,7 @@ impl Bodies {
         match (&self.all[body as usize].kind, place) {
             (Kind::Solid(made), Place::Face(face)) => made.compound.interaction(ray, face),
             (Kind::Sheet(sheet), Place::Sheet(hit)) => sheet.interaction(ray, hit),
+            // A place comes from `closest`, with the number of the body that it is on.
             _ => unreachable!("a place on another body"),
         }
     }

@@ -182,6 +182,7 @@ impl World {
     pub(crate) fn interaction(&self, ray: &Ray, contact: &Contact) -> Interaction {
         match (&contact.on, &self.bodies) {
             (On::Body(place), Some(bodies)) => bodies.interaction(self.body(contact), ray, place),
+            // Only a world with bodies makes such contacts, and they do not leave it.
             (On::Body(_), None) => unreachable!("a contact with a body of another world"),
             (On::Thing(hit), _) => self.things.interaction(contact.thing, ray, hit),
         }

@@ -10,7 +10,7 @@ use std::{env, error::Error, fs};
 use cpu_time::ThreadTime;
 use rondure::engine::{EngineOptions, Instructions, Method};
 
-use rondure::{Bounds, Hits, Profile, Ray, Rays, Surface, Vec3};
+use rondure::{Bounds, Hits, Profile, Ray, RayColumns, Surface, Vec3};
 
 const ROUNDS: usize = 7;
 
@@ -65,13 +65,8 @@ fn best(rays: &[Ray], hit: impl Fn(&Ray) -> bool) -> (f64, usize) {
 
 /// The same for batches: the closest hits, and whether there are any.
 fn batches(surface: &Surface, rays: &[Ray]) -> [f64; 2] {
-    let column = |of: fn(&Ray) -> f64| rays.iter().map(of).collect::<Vec<_>>();
-    let origin = [column(|r| r.origin.x), column(|r| r.origin.y), column(|r| r.origin.z)];
-    let direction =
-        [column(|r| r.direction.x), column(|r| r.direction.y), column(|r| r.direction.z)];
-    let (t_min, t_max) = (column(|r| r.t_min), column(|r| r.t_max));
-    let [o, d] = [&origin, &direction].map(|c| [&c[0][..], &c[1], &c[2]]);
-    let Some(columns) = Rays::new(o, d, &t_min, &t_max) else { return [f64::NAN; 2] };
+    let columns = RayColumns::from_iter(rays);
+    let columns = columns.rays();
     let (mut hits, mut any) = (Hits::default(), vec![false; rays.len()]);
     let mut best = [0.0_f64; 2];
     for _ in 0..ROUNDS {

@@ -52,6 +52,42 @@ impl<'a> Rays<'a> {
     }
 }
 
+/// Rays as columns of their own, for those who have them one by one.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RayColumns {
+    origin: [Vec<f64>; 3],
+    direction: [Vec<f64>; 3],
+    range: [Vec<f64>; 2],
+}
+
+impl RayColumns {
+    /// The rays, as batches take them.
+    pub fn rays(&self) -> Rays<'_> {
+        let [ox, oy, oz] = &self.origin;
+        let [dx, dy, dz] = &self.direction;
+        let [t_min, t_max] = &self.range;
+        Rays { origin: [ox, oy, oz], direction: [dx, dy, dz], range: [t_min, t_max] }
+    }
+}
+
+impl<'a> FromIterator<&'a Ray> for RayColumns {
+    fn from_iter<I: IntoIterator<Item = &'a Ray>>(rays: I) -> Self {
+        let mut columns = Self::default();
+        for ray in rays {
+            for (column, value) in
+                [(&mut columns.origin, ray.origin), (&mut columns.direction, ray.direction)]
+            {
+                column[0].push(value.x);
+                column[1].push(value.y);
+                column[2].push(value.z);
+            }
+            columns.range[0].push(ray.t_min);
+            columns.range[1].push(ray.t_max);
+        }
+        columns
+    }
+}
+
 /// The closest hits of many rays: t, piece and s as in [`Hit`], each in a slice of its own. Where a ray
 /// hits nothing t is infinite.
 #[derive(Clone, Debug, Default, PartialEq)]

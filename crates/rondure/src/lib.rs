@@ -46,7 +46,7 @@ mod vector;
 
 pub use affine::Affine;
 pub use assembly::{Assembly, Contact};
-pub use batch::{Hits, Rays};
+pub use batch::{Hits, RayColumns, Rays};
 pub use bounds::Bounds;
 pub use bvh::Bvh;
 pub use engine::{EngineOptions, Method};

@@ -2,7 +2,7 @@
 
 use std::hint::black_box;
 
-use rondure::{Assembly, Hits, Rays, Surface};
+use rondure::{Assembly, Hits, Surface};
 
 use super::contest::Contestant;
 use super::embree::Scene;
@@ -11,8 +11,7 @@ use super::rays::{Query, RaySet};
 impl Contestant for Surface {
     fn answer(&self, set: &RaySet) -> Option<u64> {
         if set.batch {
-            let c = &set.columns;
-            let rays = Rays::new([&c[0], &c[1], &c[2]], [&c[3], &c[4], &c[5]], &c[6], &c[7])?;
+            let rays = set.columns.rays();
             return Some(match set.query {
                 Query::Closest => {
                     let mut hits = Hits::default();

@@ -1,7 +1,7 @@
 //! The rays of the race: the same for every engine, in double precision, and rounded to single for
 //! Embree.
 
-use rondure::{Ray, Surface, Vec3};
+use rondure::{Ray, RayColumns, Surface, Vec3};
 
 use super::embree::{Packets, Single};
 
@@ -25,32 +25,21 @@ pub(crate) struct RaySet {
     pub(crate) rays: Vec<Ray>,
     pub(crate) singles: Vec<Single>,
     pub(crate) packets: Packets,
-    /// The coordinates of origins and directions, and the ends of the ranges.
-    pub(crate) columns: [Vec<f64>; 8],
+    pub(crate) columns: RayColumns,
 }
 
 impl RaySet {
     fn new(name: &str, query: Query, rays: Vec<Ray>) -> Self {
         let singles = rays.iter().map(single).collect();
         let (name, packets) = (name.to_owned(), Packets::new(&[]));
-        let columns = core::array::from_fn(|_| Vec::new());
+        let columns = RayColumns::default();
         Self { name, query, batch: false, coherent: true, rays, singles, packets, columns }
     }
 
     fn batch(name: &str, query: Query, coherent: bool, rays: Vec<Ray>) -> Self {
         let set = Self::new(name, query, rays);
         let packets = Packets::new(&set.singles);
-        let column = |of: fn(&Ray) -> f64| set.rays.iter().map(of).collect();
-        let columns = [
-            column(|ray| ray.origin.x),
-            column(|ray| ray.origin.y),
-            column(|ray| ray.origin.z),
-            column(|ray| ray.direction.x),
-            column(|ray| ray.direction.y),
-            column(|ray| ray.direction.z),
-            column(|ray| ray.t_min),
-            column(|ray| ray.t_max),
-        ];
+        let columns = set.rays.iter().collect();
         Self { batch: true, coherent, packets, columns, ..set }
     }
 

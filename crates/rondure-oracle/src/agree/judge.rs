@@ -34,7 +34,8 @@ const NEARBY: f64 = 16.0;
 /// profile's radius of curvature is above 1e-4 of the size: a chord of half-length l and height h = l^2 / (2 rho)
 /// has the sine l / rho = sqrt(2 h / rho).
 const TOUCHING_SINE: f64 = 1.5e-4;
-/// Or else it is so near to the end of a piece, as a share of the radius.
+/// Or else it is so near to the end of a piece, as a share of the radius: moved by [`TANGENCY_BAND`], a ray at any larger
+/// sine than 1e-6 reaches no farther along the surface.
 const TOUCHING_JOINT: f64 = 1e-6;
 
 /// Hits on one piece, one of each engine, are one hit and inexact up to this distance as a share of the radius;

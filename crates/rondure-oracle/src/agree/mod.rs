@@ -15,7 +15,7 @@ use std::sync::{
 };
 use std::thread;
 
-use rondure::{EngineOptions, Hit, Hits, Method, Ray, Rays, Surface, engine::Instructions};
+use rondure::{EngineOptions, Hit, Hits, Method, Ray, RayColumns, Surface, engine::Instructions};
 
 pub use count::{Count, Failure};
 pub use judge::{Answers, Judge, SAME};
@@ -56,46 +56,17 @@ impl Contender for Surface {
 /// A surface that is asked about many rays at once where that can be.
 struct Batches(Surface);
 
-/// The columns of some rays: origins, directions and ranges.
-#[derive(Default)]
-struct Columns([Vec<f64>; 8]);
-
-impl Columns {
-    fn new(rays: &[Ray]) -> Self {
-        let column = |of: fn(&Ray) -> f64| rays.iter().map(of).collect();
-        Self([
-            column(|ray| ray.origin.x),
-            column(|ray| ray.origin.y),
-            column(|ray| ray.origin.z),
-            column(|ray| ray.direction.x),
-            column(|ray| ray.direction.y),
-            column(|ray| ray.direction.z),
-            column(|ray| ray.t_min),
-            column(|ray| ray.t_max),
-        ])
-    }
-
-    fn rays(&self) -> Option<Rays<'_>> {
-        let [ox, oy, oz, dx, dy, dz, t_min, t_max] = &self.0;
-        Rays::new([ox, oy, oz], [dx, dy, dz], t_min, t_max)
-    }
-}
-
 impl Contender for Batches {
     fn closest(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
         hits.clear();
         let mut found = Hits::default();
-        if let Some(rays) = Columns::new(rays).rays() {
-            self.0.closest_of_many(&rays, &mut found);
-        }
+        self.0.closest_of_many(&RayColumns::from_iter(rays).rays(), &mut found);
         hits.extend((0..rays.len()).map(|i| found.get(i)));
     }
     fn any(&self, rays: &[Ray], found: &mut Vec<bool>) {
         found.clear();
         found.resize(rays.len(), false);
-        if let Some(rays) = Columns::new(rays).rays() {
-            self.0.any_of_many(&rays, found);
-        }
+        self.0.any_of_many(&RayColumns::from_iter(rays).rays(), found);
     }
     fn all(&self, ray: &Ray, hits: &mut Vec<Hit>) {
         self.0.all(ray, hits);

@@ -15,7 +15,8 @@ use super::Wide;
 use super::arithmetic::Best;
 use super::block::LANES;
 use super::course::{Course, LONGEST, NEAR, SHORTEST};
-use super::leaf::{Eight, Finding, Spot, WIDTH};
+use super::eight::{Eight, WIDTH};
+use super::leaf::{Finding, Spot};
 use super::search::{Question, Spots};
 use super::walk::Way;
 use crate::Vec3;
@@ -33,7 +34,7 @@ type Column = [f64; LOT + WIDTH];
 struct Lot {
     len: usize,
     /// Which rays they are.
-    ray: [u32; LOT + WIDTH],
+    ray: [usize; LOT + WIDTH],
     origin: [Column; 3],
     direction: [Column; 3],
     abc: [Column; 3],
@@ -48,7 +49,7 @@ struct Lot {
     entries: Vec<Entry>,
     tasks: Vec<Task>,
     /// Those that have to be answered one by one.
-    single: Vec<u32>,
+    single: Vec<usize>,
 }
 
 /// Where a ray enters its nearest block, and the one after that.
@@ -106,19 +107,13 @@ impl Wide {
         let mut lot = Lot::new();
         let mut next = 0;
         while next < rays.len() {
-            lot.clear();
-            while next < rays.len() && lot.len + WIDTH <= LOT {
-                lot.approach(simd, self, frame, rays, next);
-                next += WIDTH;
-            }
-            lot.start(simd, self);
+            lot.fill(simd, self, frame, rays, &mut next);
             while !lot.seeking.is_empty() {
                 self.enter_blocks(simd, &mut lot);
                 self.find_spots(simd, &mut lot);
             }
             self.find_hits(simd, &mut lot, hits);
-            for &ray in &lot.single {
-                let index = ray as usize;
+            for &index in &lot.single {
                 let question = Question { pieces, frame, ray: &rays.get(index) };
                 hits.set(index, self.closest_with::<_, true>(simd, &question));
             }
@@ -139,19 +134,14 @@ impl Wide {
         let mut lot = Lot::new();
         let mut next = 0;
         while next < count {
-            lot.clear();
-            while next < count && lot.len + WIDTH <= LOT {
-                lot.approach(simd, self, frame, rays, next);
-                next += WIDTH;
-            }
-            lot.start(simd, self);
+            lot.fill(simd, self, frame, rays, &mut next);
             while !lot.seeking.is_empty() {
                 self.enter_blocks(simd, &mut lot);
                 self.find_any(simd, &mut lot, hits);
             }
-            for &ray in lot.single.iter().filter(|&&ray| (ray as usize) < count) {
-                let question = Question { pieces, frame, ray: &rays.get(ray as usize) };
-                hits[ray as usize] = self.any_with::<_, true>(simd, &question);
+            for &index in lot.single.iter().filter(|&&index| index < count) {
+                let question = Question { pieces, frame, ray: &rays.get(index) };
+                hits[index] = self.any_with::<_, true>(simd, &question);
             }
         }
     }
@@ -186,12 +176,12 @@ impl Wide {
             let meeting = block.test::<S, true>(simd, &course, enter, end);
             let index = lot.ray[number];
             if meeting.sure != 0 {
-                if let Some(hit) = hits.get_mut(index as usize) {
+                if let Some(hit) = hits.get_mut(index) {
                     *hit = true;
                 }
                 continue;
             }
-            lot.unsure[number] |= meeting.may | meeting.tangent != 0;
+            lot.unsure[number] |= !meeting.misses();
             if f64::from(next) <= end {
                 lot.seeking.push(ray);
             } else if lot.unsure[number] {
@@ -264,7 +254,7 @@ impl Wide {
             for (i, task) in tasks.iter().enumerate() {
                 let ray = task.ray as usize;
                 let leaf = &self.leaves[task.leaf as usize];
-                let index = lot.ray[ray] as usize;
+                let index = lot.ray[ray];
                 if found & 1 << i != 0 {
                     hits.t[index] = eight.found[1][i];
                     hits.piece[index] = leaf.piece();
@@ -310,16 +300,24 @@ impl Lot {
         }
     }
 
-    fn clear(&mut self) {
+    /// Takes in rays from the one numbered `next` on, as many as there is room for, and lets them seek.
+    #[inline(always)]
+    fn fill<S: Simd>(
+        &mut self,
+        simd: S,
+        wide: &Wide,
+        frame: &Frame,
+        rays: &Rays<'_>,
+        next: &mut usize,
+    ) {
         self.len = 0;
         self.seeking.clear();
         self.tasks.clear();
         self.single.clear();
-    }
-
-    /// Lets all rays seek.
-    #[inline(always)]
-    fn start<S: Simd>(&mut self, simd: S, wide: &Wide) {
+        while *next < rays.len() && self.len + WIDTH <= LOT {
+            self.approach(simd, wide, frame, rays, *next);
+            *next += WIDTH;
+        }
         for i in 0..self.len.min(LOT) {
             let course = self.course(i);
             let way = &mut self.ways[i];
@@ -360,7 +358,7 @@ impl Lot {
     ) {
         if start + WIDTH > rays.len() || frame.inverse().is_some() {
             // The last few, and those that have to be turned.
-            self.single.extend(start as u32..(start + WIDTH).min(rays.len()) as u32);
+            self.single.extend(start..(start + WIDTH).min(rays.len()));
             return;
         }
         let outline = &wide.outline;
@@ -392,7 +390,7 @@ impl Lot {
         let ordinary = ordinary.to_bitmask() as u32;
         let mut strange = !ordinary & 0xff;
         while strange != 0 {
-            self.single.push(start as u32 + strange.trailing_zeros());
+            self.single.push(start + strange.trailing_zeros() as usize);
             strange &= strange - 1;
         }
         let meets = meets.to_bitmask() as u32 & ordinary;
@@ -416,7 +414,7 @@ impl Lot {
         far.compress(mask).store_slice(&mut self.far[at..at + WIDTH]);
         let mut bits = meets;
         while bits != 0 {
-            self.ray[self.len] = start as u32 + bits.trailing_zeros();
+            self.ray[self.len] = start + bits.trailing_zeros() as usize;
             self.len += 1;
             bits &= bits - 1;
         }

@@ -32,6 +32,12 @@ const ROUNDOFF: f64 = 0.5 * f32::EPSILON as f64;
 
 /// What f32 holds the products of.
 const LARGEST: f64 = 1e12;
+/// Bounds are raised by this: more than their own roundings, and than the error of an approximate reciprocal,
+/// which is good to 2^-11 at least.
+const SLACK: f64 = 1.01;
+/// Beyond this lambda a leaf's quadric need not be near the curve (see [`quadric`](super::quadric)), which has ended long
+/// before.
+const BEYOND: f32 = 1.125;
 /// More than any discriminant, and than any error that matters.
 const UNKNOWN: f32 = 1e30;
 
@@ -84,6 +90,14 @@ pub(super) struct Meeting<S: Simd> {
     pub(super) tangent: u32,
 }
 
+impl<S: Simd> Meeting<S> {
+    /// Whether the ray misses all leaves.
+    #[inline(always)]
+    pub(super) fn misses(&self) -> bool {
+        self.may | self.tangent == 0
+    }
+}
+
 impl Block {
     pub(super) const EMPTY: Self = Self {
         z: [0.0; LANES],
@@ -124,7 +138,7 @@ impl Block {
         let largest =
             a * (8.0 * width + depth) + 3.0 * (b * height) + 6.0 * (p * height * height) + c;
         // The exact engine may find hits that lie by its own roundings beside the ray.
-        let error = 1.01 * q.error + 12.0 * ROUNDOFF * largest + EXACT;
+        let error = SLACK * q.error + 12.0 * ROUNDOFF * largest + EXACT;
         let growth = q.growth();
         let all = [a, b, c, p, growth, q.lambda[0], q.lambda[1], q.lambda[2], q.slope, q.error];
         if !all.iter().all(|v| v.abs() < LARGEST) {
@@ -138,7 +152,7 @@ impl Block {
         let w_most = a * depth + 2.0 * (b * height) + p * height * height + c;
         // The roundings of the discriminant, which may be larger than it.
         let tangency =
-            1.01 * steepest * steepest + 16.0 * ROUNDOFF * (v_most * v_most + (a + p) * w_most);
+            SLACK * steepest * steepest + 16.0 * ROUNDOFF * (v_most * v_most + (a + p) * w_most);
         // No root of the discriminant is larger, and tau is off by its roundings, too.
         let most = v_most + ((a + p) * w_most).sqrt();
         let blur = error + 8.0 * ROUNDOFF * (diameter * most);
@@ -156,10 +170,10 @@ impl Block {
             lanes[lane] = own as f32;
         }
         self.height[lane] = (q.height + 8.0 * ROUNDOFF * height + EXACT) as f32;
-        self.tangency[lane] = finite(1.01 * tangency);
-        self.bend[lane] = finite(2.02 * error);
-        self.room[lane] = finite(1.01 * room);
-        self.blur[lane] = finite(1.01 * blur);
+        self.tangency[lane] = finite(SLACK * tangency);
+        self.bend[lane] = finite(2.0 * SLACK * error);
+        self.room[lane] = finite(SLACK * room);
+        self.blur[lane] = finite(SLACK * blur);
     }
 
     /// Which of the leaves the ray may hit before `end`, and about where, if it enters the block's box at
@@ -255,7 +269,7 @@ impl Block {
             let slope = l1.abs() + (l2 + l2).abs() * (middle.abs() + around);
             let lambda = l2.mul_add(middle, l1).mul_add(middle, l0).abs() - slope * around;
             let zeta = dz.mul_add(middle, zeta).abs() - dz.abs() * around;
-            let away = lambda.simd_gt(splat(simd, 1.125))
+            let away = lambda.simd_gt(splat(simd, BEYOND))
                 | zeta.simd_gt(load(simd, &self.height))
                 | (middle + around).simd_lt(start)
                 | (middle - around).simd_gt(end);

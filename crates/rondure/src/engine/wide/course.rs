@@ -38,7 +38,7 @@ pub(super) struct Course {
 }
 
 /// Why there is no course.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy)]
 pub(super) enum Astray {
     /// The ray passes the surface.
     Misses,
@@ -55,6 +55,8 @@ pub(super) struct Outline {
     pub(super) radius2: f64,
     /// and on the squared distance of the surface from its axis.
     pub(super) reach2: f64,
+    /// [`FAR`] in the units of rays.
+    pub(super) far: f64,
 }
 
 /// Rays from no farther away, in these units, keep their origin.
@@ -92,9 +94,9 @@ impl Course {
         };
         let (mut origin, direction) = (o * unit, d * unit);
         let a = direction.x * direction.x + direction.y * direction.y;
-        let mut far = greater(greater(origin.x.abs(), origin.y.abs()), origin.z.abs());
+        let distance = greater(greater(origin.x.abs(), origin.y.abs()), origin.z.abs());
         let length2 = direction.z * direction.z + a;
-        if !(SHORTEST..=LONGEST).contains(&length2) || !(far <= FAR) {
+        if !(SHORTEST..=LONGEST).contains(&length2) || !(distance <= FAR) {
             return Err(Astray::Strange);
         }
         if PLACED {
@@ -103,18 +105,19 @@ impl Course {
                 return Err(Astray::Misses);
             }
         }
-        let mut turn = 0.0;
+        let (mut far, mut turn) = (distance, 0.0);
         if PLACED && frame.inverse().is_some() {
             let [of_origin, of_direction] = frame.turned_size(ray);
             turn = of_direction * unit;
-            let lost = of_origin * unit > FLAT * (far + 2.0) || turn * turn > FLAT * FLAT * length2;
+            let lost =
+                of_origin * unit > FLAT * (distance + 2.0) || turn * turn > FLAT * FLAT * length2;
             if lost {
                 return Err(Astray::Strange);
             }
-            far = greater(far, of_origin * unit);
+            far = greater(distance, of_origin * unit);
         }
         let mut shift = 0.0;
-        if !(greater(greater(origin.x.abs(), origin.y.abs()), origin.z.abs()) <= NEAR) {
+        if distance > NEAR {
             shift = -origin.dot(direction) / length2;
             origin = approached(fma, frame, ray, unit, shift);
             // Moving it has lost nothing; turning it may have.
@@ -152,7 +155,7 @@ impl Course {
 }
 
 /// The origin moved along a ray from far away, without losing what cancels.
-#[inline(never)]
+#[inline(always)]
 fn approached(fma: impl Fused, frame: &Frame, ray: &Ray, unit: f64, shift: f64) -> Vec3 {
     let [(x, xl), (y, yl), (z, zl)] = frame.relative(ray.origin);
     let d = ray.direction;
@@ -171,8 +174,7 @@ pub(super) fn passes(ray: &Ray, outline: &Outline) -> bool {
     let (o, d) = (ray.origin, ray.direction);
     let k = (o.x * d.y - o.y * d.x) * outline.unit;
     // From farther away rounding could say so.
-    let far = FAR / outline.unit;
-    let near = o.x.abs() <= far && o.y.abs() <= far;
+    let near = o.x.abs() <= outline.far && o.y.abs() <= outline.far;
     // Squares of tiny numbers vanish.
     near && k * k > (d.x * d.x + d.y * d.y) * outline.reach2 + f64::MIN_POSITIVE
 }

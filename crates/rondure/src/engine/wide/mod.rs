@@ -20,6 +20,7 @@ mod block;
 mod boxes;
 mod build;
 mod course;
+mod eight;
 mod exactly;
 mod leaf;
 mod order;
@@ -71,6 +72,7 @@ impl Wide {
                 unit,
                 radius2: size * size * (1.0 + gamma(256)),
                 reach2: reach * reach,
+                far: FAR / unit,
             },
             blocks: built.blocks,
             leaves: built.leaves,

@@ -18,16 +18,21 @@
 use arrayvec::ArrayVec;
 
 use super::bernstein::{Polynomial, derivative, polar, product};
+use crate::numeric::gamma;
 use crate::piece::{Kind, Piece};
 
 /// By how much a fit is good beyond the stretch, as a part of its length.
 const BEYOND: f64 = 1.0 / 16.0;
 /// Into how many parts the stretch is cut, to have its Bernstein coefficients near it.
 const PARTS: usize = 3;
-/// What curvature costs, in units of the error: the terms of Q grow with it, and so do their roundings.
-const CURVED: f64 = 1e-9;
-/// What rounding leaves of a coefficient that vanishes, as a part of the largest.
-const NOTHING: f64 = 1e-13;
+/// What curvature costs, in units of the error, when two quadrics are compared: in a block of height h a term of Q is
+/// p h^2, and this is its rounding to f32 for h = 1/8.
+const CURVED: f64 = ROUNDOFF * (1.0 / 64.0);
+/// The unit roundoff of f32.
+const ROUNDOFF: f64 = 0.5 * f32::EPSILON as f64;
+/// What rounding leaves of a coefficient that vanishes, as a part of the largest: fewer than 1024 roundings go
+/// into one.
+const NOTHING: f64 = gamma(1024);
 
 /// A quadric of revolution beside a stretch of a piece.
 #[derive(Clone, Copy, Debug)]

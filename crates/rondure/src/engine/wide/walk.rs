@@ -9,8 +9,8 @@ use super::boxes::{Slabs, WIDTH};
 use super::course::Course;
 use super::order::{first, least};
 
-/// Levels of boxes above the lowest: 2^20 blocks.
-const LEVELS: usize = 4;
+/// Levels of boxes above the lowest: as many as 2^32 leaves need, and leaves are numbered in a u32.
+const LEVELS: usize = 7;
 
 /// Where a ray is on its way.
 pub(super) struct Way {
@@ -50,10 +50,7 @@ impl Way {
         self.slabs = Slabs::new(ray);
         self.level = wide.levels.len() - 1;
         self.above.clear();
-        self.current.start = 0;
-        let boxes = &wide.levels[self.level][0];
-        let end = beyond(ray.range[1]);
-        self.current.waiting = boxes.test(simd, &self.slabs, end, &mut self.current.enter);
+        self.current = Vector::new(simd, wide, &self.slabs, self.level, 0, ray.range[1]);
     }
 
     /// The next block that the ray may meet before `end`, and where it enters the box round it.
