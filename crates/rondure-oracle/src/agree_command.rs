@@ -2,6 +2,7 @@
 
 use std::{fs, path::Path, process::ExitCode, thread, time::Instant};
 
+use crate::command::{answer, number};
 use rondure::{Profile, engine::Instructions};
 use rondure_oracle::agree::{Amount, Count, Failure, Shape, compare, shapes, wide};
 
@@ -29,17 +30,7 @@ const FORCED: [Instructions; 3] =
     [Instructions::Portable, Instructions::Avx2, Instructions::Avx512];
 
 pub(crate) fn run(arguments: impl Iterator<Item = String>) -> ExitCode {
-    match options(arguments) {
-        Ok(Some(options)) => agree(&options),
-        Ok(None) => {
-            println!("{USAGE}");
-            ExitCode::SUCCESS
-        }
-        Err(message) => {
-            eprintln!("{message}\n{USAGE}");
-            ExitCode::from(2)
-        }
-    }
+    answer(options(arguments), USAGE, |options| agree(&options))
 }
 
 fn options(mut arguments: impl Iterator<Item = String>) -> Result<Option<Options>, String> {
@@ -52,10 +43,7 @@ fn options(mut arguments: impl Iterator<Item = String>) -> Result<Option<Options
             return Ok(None);
         }
         let value = arguments.next().ok_or(format!("{name} needs a value"))?;
-        let number = || match value.parse::<f64>() {
-            Ok(number) if (0.0..=1e15).contains(&number) => Ok(number as u64),
-            _ => Err(format!("{name}: {value} is no number from 0 to 1e15")),
-        };
+        let number = || number(&name, &value);
         match name.as_str() {
             "--rays" => options.amount.random = number()?,
             "--adversarial" => options.amount.adversarial = number()?,

@@ -1,6 +1,7 @@
 //! `rondure-oracle soak`, `rondure-oracle agree`: the comparisons of the test suites, as long as one likes.
 
 mod agree_command;
+mod command;
 mod sets_command;
 
 use std::{
@@ -11,6 +12,7 @@ use std::{
     time::Instant,
 };
 
+use self::command::{answer, number};
 use rondure::Method;
 use rondure_oracle::{
     Random, Tally,
@@ -49,29 +51,28 @@ fn main() -> ExitCode {
     if let Some(command @ ("csg" | "cuts")) = env::args().nth(1).as_deref() {
         return sets_command::run(command, env::args().skip(2));
     }
-    match options() {
-        Ok(options) => soak(&options),
-        Err(message) => {
-            eprintln!("{message}\n{USAGE}");
-            ExitCode::from(2)
-        }
-    }
+    answer(options(), USAGE, |options| soak(&options))
 }
 
-fn options() -> Result<Options, String> {
+fn options() -> Result<Option<Options>, String> {
     let mut arguments = env::args().skip(1);
-    if arguments.next().as_deref() != Some("soak") {
-        return Err("the commands are soak and agree".into());
+    match arguments.next().as_deref() {
+        Some("soak") => {}
+        Some("--help") => return Ok(None),
+        _ => return Err("the commands are soak, agree, csg and cuts".into()),
     }
     let threads = thread::available_parallelism().map_or(1, usize::from);
     let mut options =
         Options { rays: 1_000_000, seed: 1, only: String::new(), threads, method: Method::Wide };
     while let Some(name) = arguments.next() {
+        if name == "--help" {
+            return Ok(None);
+        }
         let value = arguments.next().ok_or(format!("{name} needs a value"))?;
-        let number = || value.parse::<f64>().map_err(|_| format!("{name}: {value} is no number"));
+        let number = || number(&name, &value);
         match name.as_str() {
-            "--rays" => options.rays = number()? as u64,
-            "--seed" => options.seed = number()? as u64,
+            "--rays" => options.rays = number()?,
+            "--seed" => options.seed = number()?,
             "--only" => options.only = value,
             "--engine" if value == "exact" => options.method = Method::Exact,
             "--engine" if value == "wide" => options.method = Method::Wide,
@@ -79,15 +80,16 @@ fn options() -> Result<Options, String> {
             _ => return Err(format!("unknown option {name}")),
         }
     }
-    Ok(options)
+    Ok(Some(options))
 }
 
 fn soak(options: &Options) -> ExitCode {
-    let mut clean = true;
+    let (mut clean, mut parts) = (true, 0);
     let mut part = |name: &str, rays: u64, run: &dyn Fn(u64, &mut Random, &mut Tally)| {
         if !name.contains(&options.only) {
             return;
         }
+        parts += 1;
         let (mut random, mut tally) = (Random::new(options.seed), Tally::default());
         let (start, mut told, mut done) = (Instant::now(), Instant::now(), 0);
         while done < rays {
@@ -121,31 +123,36 @@ fn soak(options: &Options) -> ExitCode {
     });
     part("spans of random solids", options.rays, &solids::spans);
     part("laws of CSG", options.rays, &solids::laws);
-    clean &= closed_profiles(options);
+    if CLOSED_PROFILES.contains(&options.only) {
+        parts += 1;
+        clean &= closed_profiles(options);
+    }
+    if parts == 0 {
+        eprintln!("--only: no part has {} in its name", options.only);
+        return ExitCode::from(2);
+    }
     if clean { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
 /// Rays at closed profiles for each that is compared with the oracle.
 const RAYS_PER_COMPARED: u64 = 100;
 
+const CLOSED_PROFILES: &str = "closed-profiles";
+
 fn closed_profiles(options: &Options) -> bool {
-    const NAME: &str = "closed-profiles";
-    if !NAME.contains(&options.only) {
-        return true;
-    }
     let &Options { rays: compared, seed, threads, method, .. } = options;
     let plan = Soak { rays: RAYS_PER_COMPARED * compared, compared, seed, threads, method };
     let (start, told) = (Instant::now(), AtomicU64::new(0));
     let outcome = closed::soak(&plan, &|done| {
         let tens = start.elapsed().as_secs() / 10;
         if told.fetch_max(tens, Ordering::Relaxed) < tens {
-            eprintln!("{NAME}: {:.1} %", 100.0 * done as f64 / plan.rays as f64);
+            eprintln!("{CLOSED_PROFILES}: {:.1} %", 100.0 * done as f64 / plan.rays as f64);
         }
     });
     match outcome {
         Ok(tally) => {
             println!(
-                "{NAME}: {tally}\n  {:.0} rays/s",
+                "{CLOSED_PROFILES}: {tally}\n  {:.0} rays/s",
                 tally.rays as f64 / start.elapsed().as_secs_f64()
             );
             tally.is_clean()

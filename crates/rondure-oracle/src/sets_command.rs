@@ -2,6 +2,7 @@
 
 use std::{process::ExitCode, time::Instant};
 
+use crate::command::{answer, number};
 use rondure_oracle::{
     Random,
     cuts::{Cuts, EYES},
@@ -27,18 +28,8 @@ struct Options {
 }
 
 pub(crate) fn run(command: &str, arguments: impl Iterator<Item = String>) -> ExitCode {
-    match options(command, arguments) {
-        Ok(Some(options)) if command == "csg" => csg(&options),
-        Ok(Some(options)) => cuts(&options),
-        Ok(None) => {
-            println!("{USAGE}");
-            ExitCode::SUCCESS
-        }
-        Err(message) => {
-            eprintln!("{message}\n{USAGE}");
-            ExitCode::from(2)
-        }
-    }
+    let work = if command == "csg" { csg } else { cuts };
+    answer(options(command, arguments), USAGE, |options| work(&options))
 }
 
 /// `None` if help is asked for.
@@ -52,12 +43,12 @@ fn options(
             return Ok(None);
         }
         let value = arguments.next().ok_or(format!("{name} needs a value"))?;
-        let number = || value.parse::<f64>().map_err(|_| format!("{name}: {value} is no number"));
+        let number = || number(&name, &value);
         match (name.as_str(), command) {
-            ("--rays", "csg") => options.rays = number()? as u64,
-            ("--random", "cuts") => options.random = number()? as u64,
+            ("--rays", "csg") => options.rays = number()?,
+            ("--random", "cuts") => options.random = number()?,
             ("--only", "cuts") => options.only = value,
-            ("--seed", _) => options.seed = number()? as u64,
+            ("--seed", _) => options.seed = number()?,
             _ => return Err(format!("unknown option {name}")),
         }
     }

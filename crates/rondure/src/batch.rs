@@ -126,3 +126,32 @@ impl Hits {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_hold_their_rays() {
+        let rays: Vec<_> = (0..5)
+            .map(|i| {
+                let x = f64::from(i);
+                Ray::new(Vec3::new(x, x + 0.25, x + 0.5), Vec3::new(-x, 1.0, x))
+                    .with_range(x, 9.0 + x)
+            })
+            .collect();
+        let columns = RayColumns::from_iter(&rays);
+        assert_eq!(columns.rays().len(), rays.len());
+        for (i, ray) in rays.iter().enumerate() {
+            assert_eq!(columns.rays().get(i), *ray);
+        }
+    }
+
+    #[test]
+    fn columns_of_different_lengths_are_no_rays() {
+        let (two, three) = ([0.0; 2], [0.0; 3]);
+        assert!(Rays::new([&two; 3], [&two; 3], &two, &two).is_some());
+        assert!(Rays::new([&two, &three, &two], [&two; 3], &two, &two).is_none());
+        assert!(Rays::new([&two; 3], [&two; 3], &two, &three).is_none());
+    }
+}
