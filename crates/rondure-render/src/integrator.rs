@@ -15,10 +15,11 @@ use rondure::{Interaction, Ray, Vec3};
 use crate::{
     coat::{Ggx, power_heuristic},
     color::Rgb,
-    finish::{Finish, Pattern},
+    finish::Finish,
     fresnel,
     light::Incoming,
     sampler::{Key, SPLIT_BITS, Sample},
+    texture::Pattern,
     warp::{self, Frame},
     world::{Role, World},
 };

@@ -25,6 +25,7 @@ mod picture;
 mod render;
 mod sampler;
 mod shape;
+mod texture;
 mod things;
 mod tone;
 mod warp;
