@@ -10,7 +10,8 @@ use std::{error::Error, f64::consts::PI, fs, path::PathBuf, sync::Arc, time::Ins
 use rondure::{Affine, Instance, Profile, Surface, Vec3};
 use rondure_render::{Settings, render};
 use rondure_scene::{
-    Camera, Copies, Cut, Film, Light, Material, Object, Paint, Projection, Scene, Shape, Sky,
+    Camera, Copies, Cut, Film, Glass, Integrator, Light, Material, Object, Paint, Projection,
+    Scene, Shape, Sky,
 };
 
 fn turned(name: &str, at: [f64; 2], scale: f64) -> Result<Shape, Box<dyn Error>> {
@@ -35,7 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut materials = vec![
         china([0.75, 0.75, 0.72]),
         china([0.05, 0.12, 0.35]),
-        Material::Glass { color: [0.75, 0.95, 0.85], ior: 1.5 },
+        Material::Glass(Glass::clear([0.75, 0.95, 0.85], 1.5)),
         Material::Glossy { color: Paint::Solid([0.5, 0.06, 0.03]), specular: 1.0, roughness: 0.35 },
         Material::Mirror { color: Paint::Solid([0.9, 0.75, 0.4]) },
         Material::Matte {
@@ -76,7 +77,15 @@ fn main() -> Result<(), Box<dyn Error>> {
         section: Cut::default(),
     });
     let scene = Scene {
-        film: Film { width: 800, height: 600, spp, depth: 12, bits: 8, exposure: 1.0 },
+        film: Film {
+            width: 800,
+            height: 600,
+            spp,
+            depth: 12,
+            bits: 8,
+            exposure: 1.0,
+            integrator: Integrator::Whitted,
+        },
         camera: Camera {
             eye: Vec3::new(0.4, -4.2, 1.7),
             look_at: Vec3::new(0.05, 0.0, 0.62),

@@ -1,18 +1,14 @@
 //! The clear coat of a glossy surface: a rough or smooth dielectric over a coloured base.
 //!
-//! The rough coat is the GGX microfacet model (Walter et al. 2007) with the height-correlated
-//! masking of Heitz 2014, sampled by visible normals (Dupuy and Benyoub 2023, "Sampling Visible
-//! GGX Normals with Spherical Caps"). What the coat does not reflect reaches the base: the base is
+//! The rough coat is made of microfacets ([`Ggx`]). What the coat does not reflect reaches the base: the base is
 //! weighted by what the coat lets through on the way in and on the way out (Kelemen and
 //! Szirmay-Kalos 2001), so that no more light leaves than came, and with a white base all of it.
 //!
 //! Directions here are in the frame of the surface: z is the normal, on the viewer's side.
 
-use core::f64::consts::{PI, TAU};
-
 use rondure::Vec3;
 
-use crate::fresnel;
+use crate::{bsdf::Ggx, fresnel};
 
 /// The index of refraction of the coat: that of glaze, lacquer and most plastics.
 const INDEX: f64 = 1.5;
@@ -21,80 +17,9 @@ const INDEX: f64 = 1.5;
 const MIRROR_ALPHA: f64 = 1e-3;
 /// The least width alpha of the highlight of a light that has no body, a point or a sun: a perfect
 /// mirror would show nothing of it.
-const HIGHLIGHT_ALPHA: f64 = 0.02;
+pub(crate) const HIGHLIGHT_ALPHA: f64 = 0.02;
 /// The steps of the table of reflectances.
 const STEPS: usize = 64;
-
-/// The distribution of microfacet normals of a given width.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Ggx {
-    alpha: f64,
-}
-
-impl Ggx {
-    /// The width for highlights of lights without a body in a perfectly smooth surface.
-    pub(crate) const HIGHLIGHT: Self = Self { alpha: HIGHLIGHT_ALPHA };
-
-    /// The density of the normals at the cosine `cos_h`.
-    #[inline]
-    fn density(self, cos_h: f64) -> f64 {
-        let a2 = self.alpha * self.alpha;
-        // sin^2 + a^2 cos^2 from the difference, which keeps narrow lobes accurate.
-        let sin2 = (1.0 - cos_h) * (1.0 + cos_h);
-        let s = sin2 + a2 * cos_h * cos_h;
-        a2 / (PI * s * s)
-    }
-
-    /// sqrt(a^2 + (1 - a^2) cos^2), the root in Smith's masking.
-    #[inline]
-    fn root(self, cos: f64) -> f64 {
-        let a2 = self.alpha * self.alpha;
-        (a2 + (1.0 - a2) * cos * cos).sqrt()
-    }
-
-    /// D G2 / (4 cos_o cos_i) times cos_i: what a light from `wi` adds towards `wo`, before the
-    /// Fresnel factor, which is to be taken at the second number, the cosine with the half vector.
-    #[inline]
-    pub(crate) fn reflect(self, wo: Vec3, wi: Vec3) -> (f64, f64) {
-        let half = (wo + wi).normalized();
-        let masking = 0.5 / (wo.z * self.root(wi.z) + wi.z * self.root(wo.z));
-        (self.density(half.z) * masking * wi.z, half.dot(wo).clamp(0.0, 1.0))
-    }
-
-    /// A microfacet normal, in proportion to how much of it `wo` sees.
-    #[inline]
-    fn visible_normal(self, wo: Vec3, u: (f64, f64)) -> Vec3 {
-        let a = self.alpha;
-        let stretched = Vec3::new(wo.x * a, wo.y * a, wo.z).normalized();
-        let z = (1.0 - u.1) * (1.0 + stretched.z) - stretched.z;
-        let radius = (1.0 - z * z).max(0.0).sqrt();
-        let (sin, cos) = (TAU * u.0).sin_cos();
-        let half = Vec3::new(radius * cos, radius * sin, z) + stretched;
-        Vec3::new(half.x * a, half.y * a, half.z.max(0.0)).normalized()
-    }
-
-    /// The density, by solid angle, with which [`sample`](Self::sample) finds `wi`.
-    #[inline]
-    fn pdf(self, wo: Vec3, wi: Vec3) -> f64 {
-        let half = (wo + wi).normalized();
-        self.density(half.z) * 0.5 / (wo.z + self.root(wo.z))
-    }
-
-    /// A direction of reflection, the cosine with the half vector, and what is left of the light
-    /// before the Fresnel factor: G2 / G1. `None` if the direction leads into the surface.
-    #[inline]
-    fn sample(self, wo: Vec3, u: (f64, f64)) -> Option<(Vec3, f64, f64)> {
-        let half = self.visible_normal(wo, u);
-        let cos = half.dot(wo);
-        let wi = half * (2.0 * cos) - wo;
-        if !(wi.z > 0.0) {
-            return None;
-        }
-        let (root_o, root_i) = (self.root(wo.z), self.root(wi.z));
-        let masked = wi.z * (wo.z + root_o) / (wo.z * root_i + wi.z * root_o);
-        Some((wi, cos.clamp(0.0, 1.0), masked))
-    }
-}
 
 /// A clear coat.
 #[derive(Clone, Debug)]
@@ -228,6 +153,8 @@ fn reflectance(lobe: Option<Ggx>, cos: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use core::f64::consts::TAU;
+
     use super::*;
     use crate::warp;
 
@@ -238,32 +165,6 @@ mod tests {
 
     fn towards(cos: f64) -> Vec3 {
         Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos)
-    }
-
-    #[test]
-    fn visible_normals_have_their_density() {
-        let lobe = Ggx { alpha: 0.4 };
-        let wo = towards(0.6);
-        // The integral of the density over the directions that lead out is the share of samples
-        // that do.
-        let n = 512;
-        let integral =
-            grid(n).map(|u| TAU * lobe.pdf(wo, warp::cap(u, 1.0))).sum::<f64>() / f64::from(n * n);
-        let share = grid(n).filter(|&u| lobe.sample(wo, u).is_some()).count();
-        let share = share as f64 / f64::from(n * n);
-        assert!((integral - share).abs() < 2e-3, "{integral} {share}");
-    }
-
-    #[test]
-    fn sampled_weight_is_value_over_density() {
-        let lobe = Ggx { alpha: 0.3 };
-        let wo = towards(0.5);
-        for u in grid(20) {
-            let Some((wi, _, masked)) = lobe.sample(wo, u) else { continue };
-            let (value, _) = lobe.reflect(wo, wi);
-            let expected = value / lobe.pdf(wo, wi);
-            assert!((masked - expected).abs() < 1e-9 * expected, "{masked} {expected}");
-        }
     }
 
     #[test]

@@ -32,6 +32,12 @@ impl Rgb {
         self.r.max(self.g).max(self.b)
     }
 
+    /// How bright it looks (Rec. 709).
+    #[inline]
+    pub(crate) fn luminance(self) -> f64 {
+        0.2126 * self.r + 0.7152 * self.g + 0.0722 * self.b
+    }
+
     #[inline]
     pub(crate) fn is_black(self) -> bool {
         self == Self::BLACK

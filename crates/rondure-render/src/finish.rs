@@ -1,8 +1,8 @@
 //! Materials made ready: colours looked up fast, the coat's tables built.
 
-use rondure_scene::Material;
+use rondure_scene::{Glass, Material};
 
-use crate::{coat::Coat, color::Rgb, texture::Pattern};
+use crate::{bsdf::Metal, coat::Coat, color::Rgb, texture::Pattern};
 
 /// What a surface does with light.
 #[derive(Clone, Debug)]
@@ -32,12 +32,38 @@ impl Finish {
                 Self::Glossy { color: Pattern::new(color), coat: Coat::new(*specular, *roughness) }
             }
             Material::Mirror { color } => Self::Mirror { color: Pattern::new(color) },
-            Material::Glass { color, ior } => Self::Glass {
-                // A channel of 0 lets nothing through; its logarithm must stay finite, so that
-                // nothing is absorbed on a way of length 0.
-                absorption: Rgb::from(*color).map(|c| -c.clamp(f64::MIN_POSITIVE, 1.0).ln()),
-                ior: *ior,
-            },
+            Material::Glass(glass) => Self::glass(glass),
+            Material::Metal { eta, k, .. } => {
+                let metal = Metal::Measured { eta: (*eta).into(), k: (*k).into() };
+                Self::Mirror { color: Pattern::Solid(metal.reflectance(1.0, Rgb::WHITE)) }
+            }
+            // The nearest of the others: this is for quick looks.
+            Material::Principled(p) if p.transmission_weight * (1.0 - p.base_metalness) >= 0.5 => {
+                Self::glass(&p.transmission)
+            }
+            Material::Principled(p) if p.base_metalness >= 0.5 => {
+                Self::Mirror { color: Pattern::new(&p.base_color) }
+            }
+            Material::Principled(p) => {
+                let (specular, roughness) = if p.coat_weight > 0.5 {
+                    (p.coat_weight, p.coat_roughness)
+                } else {
+                    (p.specular_weight, p.specular_roughness)
+                };
+                Self::Glossy {
+                    color: Pattern::new(&p.base_color),
+                    coat: Coat::new(specular, roughness),
+                }
+            }
+        }
+    }
+
+    fn glass(glass: &Glass) -> Self {
+        Self::Glass {
+            // A channel of 0 lets nothing through; its logarithm must stay finite, so that
+            // nothing is absorbed on a way of length 0.
+            absorption: Rgb::from(glass.color).map(|c| -c.clamp(f64::MIN_POSITIVE, 1.0).ln()),
+            ior: glass.ior,
         }
     }
 

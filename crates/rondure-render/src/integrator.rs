@@ -13,7 +13,8 @@
 use rondure::{Interaction, Ray, Vec3};
 
 use crate::{
-    coat::{Ggx, power_heuristic},
+    bsdf::Ggx,
+    coat::{HIGHLIGHT_ALPHA, power_heuristic},
     color::Rgb,
     finish::Finish,
     fresnel,
@@ -371,7 +372,8 @@ impl Tracer<'_> {
             if incoming.pdf < f64::INFINITY {
                 return (Rgb::BLACK, Rgb::BLACK);
             }
-            let (value, cos) = Ggx::HIGHLIGHT.reflect(wo, frame.to_local(incoming.direction));
+            let (value, cos) =
+                Ggx { alpha: HIGHLIGHT_ALPHA }.reflect(wo, frame.to_local(incoming.direction));
             let light = reflectance(cos) * value;
             (light.map(|v| (v - FAINT_HIGHLIGHT).max(0.0)), Rgb::BLACK)
         })

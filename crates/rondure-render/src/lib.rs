@@ -12,6 +12,7 @@
 )]
 
 mod bodies;
+mod bsdf;
 mod camera;
 mod coat;
 mod color;
@@ -21,6 +22,8 @@ mod fresnel;
 mod gather;
 mod integrator;
 mod light;
+mod optics;
+mod path;
 mod picture;
 mod render;
 mod sampler;

@@ -205,6 +205,45 @@ impl Heaven {
         self.horizon.mix(end, direction.z.abs().min(1.0))
     }
 
+    /// Light from a direction chosen by its luminance; the radiance over the density.
+    pub(crate) fn sample(&self, u: (f64, f64)) -> Option<Incoming> {
+        let [up, down] =
+            [self.zenith, self.ground].map(|end| self.horizon.mix(end, 0.5).luminance());
+        let sum = up + down;
+        if !(sum > 0.0) {
+            return None;
+        }
+        let above = u.0 * sum < up;
+        let (u0, end) = if above {
+            (u.0 * sum / up, self.zenith)
+        } else {
+            ((u.0 * sum - up) / down, self.ground)
+        };
+        // The luminance is a line over the height; its integral, a parabola, is inverted.
+        let (a, b) = (self.horizon.luminance(), end.luminance());
+        let target = u0.clamp(0.0, 1.0) * (a + b);
+        let height = (target / (a + (a * a + (b - a) * target).max(0.0).sqrt())).clamp(0.0, 1.0);
+        let radius = ((1.0 - height) * (1.0 + height)).sqrt();
+        let (sin, cos) = (TAU * u.1).sin_cos();
+        let z = if above { height } else { -height };
+        let direction = Vec3::new(radius * cos, radius * sin, z);
+        let pdf = self.pdf(direction);
+        (pdf > 0.0).then(|| Incoming {
+            direction,
+            distance: f64::INFINITY,
+            light: self.radiance(direction) / pdf,
+            pdf,
+        })
+    }
+
+    /// The density by solid angle with which [`sample`](Self::sample) finds a direction.
+    pub(crate) fn pdf(&self, direction: Vec3) -> f64 {
+        let [up, down] =
+            [self.zenith, self.ground].map(|end| self.horizon.mix(end, 0.5).luminance());
+        let sum = up + down;
+        if sum > 0.0 { self.radiance(direction).luminance() / (TAU * sum) } else { 0.0 }
+    }
+
     /// The radiances between which all others lie.
     pub(crate) fn extremes(&self) -> [Rgb; 3] {
         [self.zenith, self.horizon, self.ground]

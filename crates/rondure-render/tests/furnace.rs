@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use common::{Build, WHITE, at, matte, mean, scene};
 use rondure::{Affine, Instance, Profile, Surface, Vec3};
-use rondure_scene::{Material, Paint, Projection, Scene, Shape};
+use rondure_scene::{Glass, Material, Paint, Projection, Scene, Shape};
 
 const PAINT: Paint = Paint::Solid([1.0; 3]);
 
@@ -55,7 +55,7 @@ fn white_mirror_vanishes() {
 
 #[test]
 fn clear_glass_vanishes() {
-    let glass = || Material::Glass { color: [1.0; 3], ior: 1.5 };
+    let glass = || Material::Glass(Glass::clear([1.0; 3], 1.5));
     let mean_of_ball = mean(&ball(glass()).shoot());
     assert!((mean_of_ball - 1.0).abs() < 3e-3, "{mean_of_ball}");
     let pane = Shape::Disk { center: Vec3::ZERO, normal: Vec3::Y, radius: 1.0 };
@@ -71,7 +71,7 @@ fn clear_glass_vanishes() {
 #[test]
 fn coloured_glass_absorbs_by_length() {
     // Straight through the middle of a ball of radius 1: two boundaries, two units of way.
-    let mut scene = ball(Material::Glass { color: [0.5; 3], ior: 1.5 });
+    let mut scene = ball(Material::Glass(Glass::clear([0.5; 3], 1.5)));
     scene.camera.eye = Vec3::new(0.0, -6.0, 0.0);
     scene.camera.projection = Projection::Orthographic { height: 1e-3 };
     // R of the front; the rest goes to and fro inside, a quarter of it left after each crossing.

@@ -6,7 +6,7 @@ mod common;
 
 use common::{Build, at, matte, mean, scene};
 use rondure::Vec3;
-use rondure_scene::{Light, Material, Paint, Projection, Scene, Shape, Sky};
+use rondure_scene::{Glass, Light, Material, Paint, Projection, Scene, Shape, Sky};
 
 const FLOOR: Shape = Shape::Plane { point: Vec3::ZERO, normal: Vec3::Z };
 
@@ -112,7 +112,7 @@ fn glass_casts_a_light_shadow() {
         scene
     };
     let free = mean(&floor().shoot());
-    let glass = |color| Material::Glass { color: [color; 3], ior: 1.5 };
+    let glass = |color| Material::Glass(Glass::clear([color; 3], 1.5));
     let center = Vec3::new(0.0, 0.0, 4.0);
     let pane = Shape::Disk { center, normal: Vec3::Z, radius: 0.5 };
     let behind_pane = mean(&floor().with(pane, glass(1.0)).shoot());

@@ -12,7 +12,7 @@ use std::sync::{
 use common::{Build, WHITE, matte, scene};
 use rondure::Vec3;
 use rondure_render::{Progress, RenderError, Settings, render};
-use rondure_scene::{Lens, Light, Material, Paint, Projection, Scene, Shape};
+use rondure_scene::{Glass, Lens, Light, Material, Paint, Projection, Scene, Shape};
 
 /// Something of everything, on a film that tiles do not divide.
 fn mixture() -> Scene {
@@ -30,7 +30,7 @@ fn mixture() -> Scene {
             radiance: [5.0, 4.0, 3.0],
         })
         .lit(Light::Sun { direction: Vec3::Z, irradiance: [1.0; 3], angular_radius: 0.05 })
-        .with(ball(-2.0), Material::Glass { color: [0.9, 0.8, 0.7], ior: 1.5 })
+        .with(ball(-2.0), Material::Glass(Glass::clear([0.9, 0.8, 0.7], 1.5)))
         .with(ball(-0.7), Material::Glossy { color: paint(), specular: 1.0, roughness: 0.4 })
         .with(ball(0.7), Material::Mirror { color: paint() })
         .with(ball(2.0), matte(0.5))

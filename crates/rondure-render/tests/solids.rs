@@ -13,7 +13,7 @@ use rondure::{
     solid::{Csg, Sweep},
 };
 use rondure_render::Picture;
-use rondure_scene::{Body, Cut, Light, Material, Paint, Projection, Scene, Section, Shape};
+use rondure_scene::{Body, Cut, Glass, Light, Material, Paint, Projection, Scene, Section, Shape};
 
 fn color(color: [f64; 3]) -> Material {
     Material::Matte { color: Paint::Solid(color) }
@@ -147,7 +147,7 @@ fn convex_bodies_do_not_shadow_themselves() {
 #[test]
 fn a_body_of_one_solid_looks_like_the_turned_object() {
     let goblet = include_str!("../../../profiles/goblet.path");
-    let glass = Material::Glass { color: [0.7, 0.9, 0.8], ior: 1.5 };
+    let glass = Material::Glass(Glass::clear([0.7, 0.9, 0.8], 1.5));
     // In glass a ray that rounding moves over an edge goes another way.
     for (material, most) in [(glass, 80), (matte(0.7), 4)] {
         let shoot = |shape: Shape| {
@@ -175,7 +175,7 @@ fn glass_that_is_cut_keeps_all_light() {
     let ball = |x: f64| Csg::sphere(Vec3::new(x, 0.0, 0.0), 1.0);
     let eye = Vec3::new(0.3, -6.0, 1.0);
     let shoot = |csg: Csg| {
-        let glass = Material::Glass { color: [1.0; 3], ior: 1.5 };
+        let glass = Material::Glass(Glass::clear([1.0; 3], 1.5));
         let mut scene = scene(16, 64, eye, Vec3::ZERO, Projection::Perspective { fov: 0.3 });
         scene.film.depth = 80;
         let scene = scene.under(WHITE).with(body(csg, &[None; 4], Affine::IDENTITY), glass);
@@ -195,7 +195,7 @@ fn glass_that_is_cut_keeps_all_light() {
 /// Light that passes straight through a slab of glass is weakened by the way inside.
 #[test]
 fn shadows_of_cut_glass_are_as_thick_as_what_is_left() {
-    let glass = Material::Glass { color: [0.5; 3], ior: 1.0 };
+    let glass = Material::Glass(Glass::clear([0.5; 3], 1.0));
     let slab = cube(Vec3::new(2.0, 2.0, 1.0));
     let look = Projection::Orthographic { height: 0.5 };
     let floor = Shape::Plane { point: Vec3::new(0.0, 0.0, -2.0), normal: Vec3::Z };

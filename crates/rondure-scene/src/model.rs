@@ -45,6 +45,18 @@ pub struct Film {
     pub bits: u8,
     /// The factor on the light before it is turned into a picture.
     pub exposure: f64,
+    /// How light is followed.
+    pub integrator: Integrator,
+}
+
+/// How light is followed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Integrator {
+    /// All ways that light can go: paths from the eye, and photons from the lamps for caustics.
+    #[default]
+    Path,
+    /// Lights and their shadows, mirror images, and glass, for quick looks (Whitted 1980).
+    Whitted,
 }
 
 /// The point of view.
@@ -291,13 +303,77 @@ pub enum Material {
         /// The reflectance when looked at straight on.
         color: Paint,
     },
-    /// Clear glass.
-    Glass {
-        /// What is left of the light after one scene unit inside.
-        color: Color,
-        /// The index of refraction.
-        ior: f64,
+    /// Clear glass, water, wine.
+    Glass(Glass),
+    /// A metal whose index of refraction was measured.
+    Metal {
+        /// The real part of the index, by channel.
+        eta: Color,
+        /// The imaginary part of the index, by channel.
+        k: Color,
+        /// From 0 (a mirror) to 1.
+        roughness: f64,
     },
+    /// Anything, by the parameters that OpenPBR names.
+    Principled(Box<Principled>),
+}
+
+/// A clear medium and its boundary.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Glass {
+    /// What is left of the light after one scene unit inside.
+    pub color: Color,
+    /// The index of refraction, at 587.6 nm if it depends on the wavelength.
+    pub ior: f64,
+    /// The roughness of the boundary, from 0 (clear) to 1.
+    pub roughness: f64,
+    /// Abbe's number, (n_d - 1) / (n_F - n_C); `None` if all colours are refracted alike.
+    pub abbe: Option<f64>,
+    /// Where bodies of glass overlap, the one with the highest priority is there (Schmidt and Budge 2002,
+    /// "Simple Nested Dielectrics in Ray Traced Images").
+    pub priority: i32,
+}
+
+impl Glass {
+    /// Clear and smooth, without dispersion, of priority 0.
+    pub fn clear(color: Color, ior: f64) -> Self {
+        Self { color, ior, roughness: 0.0, abbe: None, priority: 0 }
+    }
+}
+
+/// A surface by the parameters of OpenPBR 1.1, of which it has a part; weights and roughnesses are from 0 to 1.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Principled {
+    /// The reflectance of the base, of a metal at normal incidence.
+    pub base_color: Paint,
+    /// The share of the base that is metal.
+    pub base_metalness: f64,
+    /// The factor on the reflectance of the base's gloss.
+    pub specular_weight: f64,
+    /// The roughness of the base's gloss and of metal.
+    pub specular_roughness: f64,
+    /// The index of refraction of the base.
+    pub specular_ior: f64,
+    /// The share of the base that is glass.
+    pub transmission_weight: f64,
+    /// The glass that it is.
+    pub transmission: Glass,
+    /// The clear coat: its weight, roughness, and index of refraction.
+    pub coat_weight: f64,
+    /// The roughness of the coat.
+    pub coat_roughness: f64,
+    /// The index of refraction of the coat.
+    pub coat_ior: f64,
+    /// What the coat leaves of light that goes through it and back.
+    pub coat_color: Color,
+    /// How much fuzz stands on the surface.
+    pub fuzz_weight: f64,
+    /// The colour of the fuzz.
+    pub fuzz_color: Color,
+    /// From little fuzz, seen edge on alone, to dust all over.
+    pub fuzz_roughness: f64,
+    /// The radiance that the surface sends out evenly, on both sides.
+    pub emission: Color,
 }
 
 /// A colour over a surface.

@@ -5,7 +5,9 @@
 use std::{fs, path::Path, sync::Arc};
 
 use rondure::Vec3;
-use rondure_scene::{Light, Material, Paint, Projection, Report, Scene, Shape, Sky, parse_scene};
+use rondure_scene::{
+    Glass, Light, Material, Paint, Projection, Report, Scene, Shape, Sky, parse_scene,
+};
 
 const START: &str = "[camera]\neye = [0, -5, 1]\nlook_at = [0, 0, 0]\n[sky]\n";
 
@@ -233,7 +235,7 @@ type = "plane"
     assert_near(edges[1], [0.0, 0.0, 3.0]);
     assert_eq!(
         scene.materials[scene.objects[1].material],
-        Material::Glass { color: [1.0; 3], ior: 1.3 }
+        Material::Glass(Glass::clear([1.0; 3], 1.3))
     );
     let default = &scene.materials[scene.objects[2].material];
     assert_eq!(*default, Material::Matte { color: Paint::Solid([0.8; 3]) });

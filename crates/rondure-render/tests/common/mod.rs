@@ -6,7 +6,8 @@
 use rondure::Vec3;
 use rondure_render::{Picture, Settings, render};
 use rondure_scene::{
-    Camera, Copies, Cut, Film, Light, Material, Object, Paint, Projection, Scene, Shape, Sky,
+    Camera, Copies, Cut, Film, Integrator, Light, Material, Object, Paint, Projection, Scene,
+    Shape, Sky,
 };
 
 pub(crate) const BLACK: Sky = Sky::Constant { color: [0.0; 3] };
@@ -26,7 +27,15 @@ pub(crate) fn scene(
 ) -> Scene {
     let up = if (look_at - eye).normalized().z.abs() > 0.9 { Vec3::Y } else { Vec3::Z };
     Scene {
-        film: Film { width: size, height: size, spp, depth: 8, bits: 8, exposure: 1.0 },
+        film: Film {
+            width: size,
+            height: size,
+            spp,
+            depth: 8,
+            bits: 8,
+            exposure: 1.0,
+            integrator: Integrator::Whitted,
+        },
         camera: Camera { eye, look_at, up, projection, lens: None },
         sky: BLACK,
         lights: Vec::new(),

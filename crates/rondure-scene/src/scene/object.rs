@@ -227,7 +227,7 @@ fn flat_or_round(table: &Table<'_>, kind: Kind) -> Option<Shape> {
 }
 
 fn warn_about_open_glass(table: &Table<'_>, shape: &Shape, material: Option<&Material>) {
-    let (Some(Material::Glass { .. }), Shape::Turned(instance) | Shape::Swept { instance, .. }) =
+    let (Some(Material::Glass(_)), Shape::Turned(instance) | Shape::Swept { instance, .. }) =
         (material, shape)
     else {
         return;

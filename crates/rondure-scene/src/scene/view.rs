@@ -3,7 +3,7 @@
 use rondure::{Vec3, numeric::gamma};
 
 use crate::{
-    Camera, Diagnostic, Film, Lens, Projection,
+    Camera, Diagnostic, Film, Integrator, Lens, Projection,
     decode::{Bounds, Context, SMALLEST, Table, Value},
 };
 
@@ -14,7 +14,15 @@ const DEEPEST: u32 = 200;
 const LARGEST_EDGE: u32 = 65_535;
 
 pub(super) fn film(table: Option<Table<'_>>) -> Film {
-    let mut film = Film { width: 800, height: 600, spp: 16, depth: 8, bits: 8, exposure: 1.0 };
+    let mut film = Film {
+        width: 800,
+        height: 600,
+        spp: 16,
+        depth: 8,
+        bits: 8,
+        exposure: 1.0,
+        integrator: Integrator::default(),
+    };
     let Some(table) = table else { return film };
     if let Some((width, height)) = table.get("size").and_then(|v| size(&v)) {
         (film.width, film.height) = (width, height);
@@ -26,6 +34,10 @@ pub(super) fn film(table: Option<Table<'_>>) -> Film {
     film.depth = whole("depth", 0, DEEPEST, film.depth);
     film.bits = table.get("bits").and_then(|v| bits(&v)).unwrap_or(film.bits);
     film.exposure = table.number("exposure", Bounds::POSITIVE).unwrap_or(film.exposure);
+    const INTEGRATORS: [(&str, Integrator); 2] =
+        [("path", Integrator::Path), ("whitted", Integrator::Whitted)];
+    let integrator = table.get("integrator").and_then(|v| v.choice("integrator", &INTEGRATORS));
+    film.integrator = integrator.unwrap_or_default();
     table.finish();
     film
 }

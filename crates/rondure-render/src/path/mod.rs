@@ -1,0 +1,2 @@
+//! Paths.
+mod media;
