@@ -22,3 +22,19 @@ impl Statistics {
         self.invalid_samples += other.invalid_samples;
     }
 }
+
+impl Statistics {
+    /// All numbers, for files.
+    pub(crate) fn counters(&self) -> [u64; 4] {
+        let Self { camera_rays, secondary_rays, shadow_rays, invalid_samples } = *self;
+        [camera_rays, secondary_rays, shadow_rays, invalid_samples]
+    }
+
+    /// From all numbers; `None` if there are others.
+    pub(crate) fn from_counters(counters: &[u64]) -> Option<Self> {
+        let &[camera_rays, secondary_rays, shadow_rays, invalid_samples] = counters else {
+            return None;
+        };
+        Some(Self { camera_rays, secondary_rays, shadow_rays, invalid_samples })
+    }
+}
