@@ -347,6 +347,11 @@ pub(crate) struct Builder {
 }
 
 impl Builder {
+    /// How many bodies there are so far.
+    pub(crate) fn len(&self) -> usize {
+        self.all.len()
+    }
+
     /// The solid that a surface bounds, if it does.
     pub(crate) fn solid(&mut self, surface: &Arc<Surface>) -> Option<Arc<Solid>> {
         if let Some(known) = self.solids.get(&Arc::as_ptr(surface)) {

@@ -43,6 +43,11 @@ impl View {
         })
     }
 
+    /// The distance of a point from the eye along the direction of view.
+    pub(crate) fn depth(&self, point: Vec3) -> f64 {
+        (point - self.eye).dot(self.forward)
+    }
+
     pub(crate) fn has_lens(&self) -> bool {
         self.lens.is_some()
     }

@@ -25,6 +25,8 @@ pub(crate) struct Gathered {
     /// For each turned thing, and each simple one, the index of its role.
     pub(crate) turned_roles: Vec<u32>,
     pub(crate) simple_roles: Vec<u32>,
+    /// For each body the index of its object.
+    pub(crate) body_objects: Vec<u32>,
     pub(crate) bodies: bodies::Builder,
 }
 
@@ -53,6 +55,7 @@ impl Gathered {
         for shape in object.shapes().flatten() {
             self.add_shape(&shape, object, role, knife.as_ref())?;
         }
+        self.body_objects.resize(self.bodies.len(), role);
         Ok(())
     }
 

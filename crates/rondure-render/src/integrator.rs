@@ -11,6 +11,7 @@
 //! 1 / [`SPLIT_WEIGHT`] of them branch: the work is bounded by the depth, not by its power of two.
 
 use rondure::{Interaction, Ray, Vec3};
+use rondure_film::Statistics;
 
 use crate::{
     bsdf::Ggx,
@@ -47,28 +48,6 @@ const ROULETTE: u32 = 3;
 const SKY: u32 = 4;
 const CHOICE: u32 = 5;
 const LAMPS: u32 = 16;
-
-/// How many rays were shot, and what went wrong.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Statistics {
-    /// Rays from the camera.
-    pub camera_rays: u64,
-    /// Reflected and refracted rays.
-    pub secondary_rays: u64,
-    /// Rays towards lights and sky.
-    pub shadow_rays: u64,
-    /// Samples that came out negative, infinite or not a number, and were left out of the picture.
-    pub invalid_samples: u64,
-}
-
-impl Statistics {
-    pub(crate) fn add(&mut self, other: &Self) {
-        self.camera_rays += other.camera_rays;
-        self.secondary_rays += other.secondary_rays;
-        self.shadow_rays += other.shadow_rays;
-        self.invalid_samples += other.invalid_samples;
-    }
-}
 
 /// A body of glass that a path is inside of.
 #[derive(Clone, Copy, Debug, Default)]

@@ -1,10 +1,12 @@
 //! From a [`Scene`](rondure_scene::Scene) to a [`Picture`], in the manner of Whitted: direct light
 //! with shadows, highlights, reflection and refraction.
 //!
-//! [`render()`] takes the scene; [`Picture::write_png`] writes what comes out. `gather` takes the objects.
+//! [`render()`] takes the scene; [`Picture::write_png`] writes what comes out. A [`Job`] makes single tiles, [`Work`] a portion of a picture that can be
+//! stopped and gone on with. `gather` takes the objects.
 //! The light goes this way: `sampler`, `filter` and `camera` make a ray; `world` finds what it meets, through
 //! `things`, `bodies` and `shape`; `integrator` adds up the light there from `light` by the laws of `finish`,
-//! `coat` and `fresnel`; `render` gathers the samples, and `tone` and `picture` make a file of them.
+//! `coat` and `fresnel`; `job` gathers the samples of a tile, `work` the tiles,
+//! and `tone` and `picture` make a file of them.
 
 #![allow(
     clippy::neg_cmp_op_on_partial_ord,
@@ -16,11 +18,13 @@ mod bsdf;
 mod camera;
 mod coat;
 mod color;
+mod features;
 mod filter;
 mod finish;
 mod fresnel;
 mod gather;
 mod integrator;
+mod job;
 mod light;
 mod optics;
 mod path;
@@ -32,8 +36,11 @@ mod texture;
 mod things;
 mod tone;
 mod warp;
+mod work;
 mod world;
 
-pub use integrator::Statistics;
+pub use job::{Job, Prepared, TileSums};
 pub use picture::{Picture, WriteError};
 pub use render::{Progress, RenderError, Settings, render};
+pub use rondure_film::Statistics;
+pub use work::{Outcome, Snapshot, Work};

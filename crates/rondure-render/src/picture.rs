@@ -6,6 +6,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use rondure_film::Film;
+
 use crate::{Statistics, tone};
 
 /// A picture in linear light, Rec. 709 primaries, rows from the top.
@@ -44,6 +46,14 @@ pub enum WriteError {
 }
 
 impl Picture {
+    /// The light on a film; black where the picture goes beyond its window.
+    pub fn new(film: &Film, exposure: f64, statistics: Statistics) -> Self {
+        let [width, height] = film.size();
+        let pixel = |x, y| film.light(x, y).map(|v| v as f32);
+        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| pixel(x, y))).collect();
+        Self { width, height, exposure, pixels, statistics }
+    }
+
     /// Pixels across.
     pub fn width(&self) -> u32 {
         self.width

@@ -1,28 +1,15 @@
-//! From a scene to a picture: tiles, dealt out to threads.
-//!
-//! A pixel's value depends on the seed and its place alone, and its samples are added up in one
-//! order: the picture is the same, bit for bit, for any number of threads.
+//! From a scene to a picture, in one go.
 
-use std::sync::atomic::{AtomicU64, Ordering};
+use core::ops::Range;
 
-use rayon::prelude::*;
+use rondure_film::{FilmError, Layers};
 use rondure_scene::Scene;
 
 use crate::{
-    Picture, Statistics,
-    camera::View,
-    color::Rgb,
-    filter::Filter,
-    integrator::{Tracer, split_bits},
-    sampler::{Key, Sample},
-    world::World,
+    Picture,
+    job::Job,
+    work::{Outcome, Snapshot, Work},
 };
-
-/// The edge of a tile, in pixels.
-const TILE: u32 = 32;
-/// The most reflections and refractions, whatever the scene asks for: after so many, the most
-/// perfect real mirror has swallowed half of the light, and the stack still holds them.
-const MAX_DEPTH: u32 = 200;
 
 /// How to render, beside what the scene says.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -41,9 +28,19 @@ pub trait Progress: Sync {
         let _ = done;
     }
 
-    /// Whether to stop. Asked once for each row of a tile.
+    /// Whether to stop at once. Asked once for each row of a tile; a tile in the making is given up.
     fn is_cancelled(&self) -> bool {
         false
+    }
+
+    /// Whether to stop when the tiles in the making are done. Asked before each tile.
+    fn is_enough(&self) -> bool {
+        false
+    }
+
+    /// Another tile is done, and these are the sums so far. Called by one thread at a time; the others wait with their tiles.
+    fn landed(&self, so_far: &Snapshot<'_>) {
+        let _ = so_far;
     }
 }
 
@@ -74,6 +71,17 @@ pub enum RenderError {
         width: u32,
         /// Pixels down.
         height: u32,
+    },
+    /// The film cannot take what it is to take.
+    #[error(transparent)]
+    Film(#[from] FilmError),
+    /// Samples were asked for that are not of the pass.
+    #[error("samples {samples:?} are not all of the pass of samples {pass:?}")]
+    OtherPass {
+        /// The numbers of the samples that were asked for.
+        samples: Range<u32>,
+        /// The numbers of the samples of the pass.
+        pass: Range<u32>,
     },
     /// The camera cannot see.
     #[error(
@@ -121,25 +129,6 @@ pub enum RenderError {
     Threads(#[from] rayon::ThreadPoolBuildError),
 }
 
-/// A stretch of the picture.
-#[derive(Clone, Copy)]
-struct Tile {
-    x: u32,
-    y: u32,
-    width: u32,
-    height: u32,
-}
-
-struct Job<'a> {
-    world: World,
-    view: View,
-    filter: Filter,
-    scene: &'a Scene,
-    seed: u64,
-    progress: &'a dyn Progress,
-    done: AtomicU64,
-}
-
 /// Renders a scene.
 ///
 /// # Errors
@@ -149,147 +138,10 @@ pub fn render(
     settings: &Settings,
     progress: &dyn Progress,
 ) -> Result<Picture, RenderError> {
-    let film = &scene.film;
-    let (width, height) = (film.width, film.height);
-    if width == 0 || height == 0 || film.spp == 0 {
-        return Err(RenderError::EmptyFilm { width, height, spp: film.spp });
-    }
-    let too_large = || RenderError::TooLarge { width, height };
-    let count = (width as usize).checked_mul(height as usize).ok_or_else(too_large)?;
-    let mut pixels = Vec::new();
-    pixels.try_reserve_exact(count).map_err(|_| too_large())?;
-    pixels.resize(count, [0.0; 3]);
-    let job = Job {
-        world: World::new(scene)?,
-        view: View::new(&scene.camera, width, height).ok_or(RenderError::Camera)?,
-        filter: Filter::new(),
-        scene,
-        seed: settings.seed,
-        progress,
-        done: AtomicU64::new(0),
-    };
-    let statistics = match settings.threads {
-        Some(1) => job.sequential(&mut pixels)?,
-        Some(threads) => rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()?
-            .install(|| job.parallel(&mut pixels))?,
-        None => job.parallel(&mut pixels)?,
-    };
-    progress.advance(1.0);
-    Ok(Picture { width, height, exposure: film.exposure, pixels, statistics })
-}
-
-impl Job<'_> {
-    /// The rows of tiles, each with the part of the picture that it fills.
-    fn bands<'p>(&self, pixels: &'p mut [[f32; 3]]) -> Vec<(u32, &'p mut [[f32; 3]])> {
-        let band = self.scene.film.width as usize * TILE as usize;
-        (0..).step_by(TILE as usize).zip(pixels.chunks_mut(band)).collect()
-    }
-
-    fn tiles(&self, y: u32) -> impl Iterator<Item = Tile> + use<> {
-        let (width, height) = (self.scene.film.width, self.scene.film.height);
-        (0..width).step_by(TILE as usize).map(move |x| Tile {
-            x,
-            y,
-            width: TILE.min(width - x),
-            height: TILE.min(height - y),
-        })
-    }
-
-    fn sequential(&self, pixels: &mut [[f32; 3]]) -> Result<Statistics, RenderError> {
-        let mut all = Statistics::default();
-        for (y, band) in self.bands(pixels) {
-            for tile in self.tiles(y) {
-                let (values, statistics) = self.tile(tile)?;
-                self.place(band, tile, &values);
-                all.add(&statistics);
-            }
-        }
-        Ok(all)
-    }
-
-    fn parallel(&self, pixels: &mut [[f32; 3]]) -> Result<Statistics, RenderError> {
-        self.bands(pixels)
-            .into_par_iter()
-            .with_max_len(1)
-            .map(|(y, band)| {
-                let tiles: Vec<_> = self.tiles(y).collect();
-                let parts: Vec<_> = tiles
-                    .into_par_iter()
-                    .with_max_len(1)
-                    .map(|tile| self.tile(tile).map(|part| (tile, part)))
-                    .collect::<Result<_, _>>()?;
-                let mut all = Statistics::default();
-                for (tile, (values, statistics)) in parts {
-                    self.place(band, tile, &values);
-                    all.add(&statistics);
-                }
-                Ok(all)
-            })
-            .try_reduce(Statistics::default, |mut a, b| {
-                a.add(&b);
-                Ok(a)
-            })
-    }
-
-    fn place(&self, band: &mut [[f32; 3]], tile: Tile, values: &[[f32; 3]]) {
-        let stride = self.scene.film.width as usize;
-        for (row, line) in values.chunks(tile.width as usize).enumerate() {
-            let start = row * stride + tile.x as usize;
-            band[start..start + line.len()].copy_from_slice(line);
-        }
-    }
-
-    fn tile(&self, tile: Tile) -> Result<(Vec<[f32; 3]>, Statistics), RenderError> {
-        let film = &self.scene.film;
-        let mut statistics = Statistics::default();
-        let mut values = Vec::with_capacity((tile.width * tile.height) as usize);
-        for y in tile.y..tile.y + tile.height {
-            if self.progress.is_cancelled() {
-                return Err(RenderError::Cancelled);
-            }
-            for x in tile.x..tile.x + tile.width {
-                values.push(self.pixel(x, y, &mut statistics));
-            }
-        }
-        let pixels = u64::from(tile.width) * u64::from(tile.height);
-        let done = self.done.fetch_add(pixels, Ordering::Relaxed) + pixels;
-        let all = u64::from(film.width) * u64::from(film.height);
-        self.progress.advance(done as f64 / all as f64);
-        Ok((values, statistics))
-    }
-
-    fn pixel(&self, x: u32, y: u32, statistics: &mut Statistics) -> [f32; 3] {
-        let film = &self.scene.film;
-        let mut sum = Rgb::BLACK;
-        let mut count = 0_u32;
-        for index in 0..film.spp {
-            let sample = Sample::new(self.seed, x, y, index, film.spp);
-            let (u, v) = sample.pair(Key::FILTER);
-            let lens = if self.view.has_lens() { sample.pair(Key::LENS) } else { (0.5, 0.5) };
-            let ray = self.view.ray(
-                f64::from(x) + 0.5 + self.filter.offset(u),
-                f64::from(y) + 0.5 + self.filter.offset(v),
-                lens,
-            );
-            let mut tracer = Tracer {
-                world: &self.world,
-                depth: film.depth.min(MAX_DEPTH),
-                sample,
-                split_bits: split_bits(film.spp),
-                statistics: Statistics::default(),
-            };
-            let light = tracer.camera_ray(&ray);
-            statistics.add(&tracer.statistics);
-            if light.is_light() {
-                sum += light;
-                count += 1;
-            } else {
-                statistics.invalid_samples += 1;
-            }
-        }
-        let mean = if count > 0 { sum / f64::from(count) } else { Rgb::BLACK };
-        [mean.r as f32, mean.g as f32, mean.b as f32]
+    let job = Job::new(scene, settings, Layers::default())?;
+    let mut work = Work::new(&job, job.whole())?;
+    match work.run(&job, settings.threads, progress)? {
+        Outcome::Finished => Ok(Picture::new(work.film(), scene.film.exposure, *work.statistics())),
+        Outcome::Stopped => Err(RenderError::Cancelled),
     }
 }

@@ -5,17 +5,60 @@
 //! Owen-scrambled (0, 2)-sequence (Burley 2020, "Practical Hash-based Owen Scrambling", with
 //! Vegdahl's constants for the hash), shuffled against those of the other keys.
 //!
-//! The samples of all pixels come from one sequence, dealt out along the Morton curve (Ahmed and
-//! Wonka 2020, "Screen-Space Blue-Noise Diffusion of Monte Carlo Sampling Error via Hierarchical
-//! Ordering of Pixels"): the points of a pixel are well spread, those of any 2x2, 4x4, ... pixels
-//! together are too, and what error is left looks like fine grain instead of blotches.
+//! The samples of a pixel are the first of one sequence, however many there will be, and any 2^k of them together with those of the
+//! pixels of an aligned square of 2x2, 4x4, ... 256x256 are a net too: no two in an elementary interval. So what error is left looks
+//! like fine grain instead of blotches (Ahmed and Wonka 2020, "Screen-Space Blue-Noise Diffusion of Monte Carlo Sampling Error via
+//! Hierarchical Ordering of Pixels"), at every number of samples on the way. They deal out one sequence along the Morton curve, for
+//! which the number of samples must be known before; here the Morton number moves the pixel's own sequence by a digital shift instead:
+//! point(s, m) = Sobol(s) + [`SHIFTS`] m over the field of two elements. The columns of `SHIFTS` are such that with the first k of
+//! Sobol's for each k up to 16, the first 2 j of them are generators of a net, for each j up to 8. Their bits were drawn at random row
+//! by row, again where one of the square matrices in question was singular; the tests look at all of those.
 
 /// The pixels across and down in a block that shares one sequence, as a power of two.
 const BLOCK_BITS: u32 = 8;
 /// The most parts that a sample can be split into, as a power of two.
 pub(crate) const SPLIT_BITS: u32 = 2;
 /// The samples of a pixel that one sequence can hold, as a power of two.
-const SAMPLE_BITS: u32 = u32::BITS - 2 * BLOCK_BITS - SPLIT_BITS;
+const SAMPLE_BITS: u32 = 16 - SPLIT_BITS;
+
+/// For each bit of a Morton number the digital shift of (x, y), digits from the lowest bit on.
+const SHIFTS: [[u32; 2]; 2 * BLOCK_BITS as usize] = [
+    [0x47e3_b6db, 0x5c1b_b6db],
+    [0x3c21_6db6, 0xc556_db6d],
+    [0xe35f_e79e, 0xcbbf_e79e],
+    [0x882b_1451, 0x89e7_4514],
+    [0x1d37_ab1a, 0x879c_1dc1],
+    [0x1dae_fd2f, 0xc068_3b83],
+    [0x2f1d_b4fb, 0x068b_85d8],
+    [0xaa10_3303, 0x7072_0220],
+    [0xb07a_5d53, 0x3def_464f],
+    [0x8883_ca07, 0xce37_07a6],
+    [0x3ebe_0def, 0x681a_910b],
+    [0x4ad2_0187, 0x8e3f_f801],
+    [0x30c6_100a, 0x694b_0c11],
+    [0x526c_aace, 0x9425_a3c0],
+    [0x38c0_94d4, 0x1df3_beeb],
+    [0xfcdc_b004, 0xb888_05dd],
+];
+
+/// The shifts of all bytes of Morton numbers, the low one and the high one.
+static SHIFT_TABLE: [[[u32; 2]; 256]; 2] = {
+    let mut table = [[[0; 2]; 256]; 2];
+    let mut i = 0;
+    while i < 2 * 256 {
+        let (half, byte) = (i / 256, i % 256);
+        let mut bit = 0;
+        while bit < 8 {
+            if byte >> bit & 1 == 1 {
+                table[half][byte][0] ^= SHIFTS[8 * half + bit][0];
+                table[half][byte][1] ^= SHIFTS[8 * half + bit][1];
+            }
+            bit += 1;
+        }
+        i += 1;
+    }
+    table
+};
 
 /// The name of a two-dimensional set of sample points: where on the way of the light it is used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,21 +80,23 @@ impl Key {
 /// One sample of one pixel: the source of all random numbers that its light needs.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sample {
-    /// The place in the sequence, its bits in reverse order.
+    /// The place in the pixel's sequence, its bits in reverse order.
     reversed_index: u32,
+    /// The pixel's Morton number in its block, its bits in reverse order.
+    reversed_morton: u32,
     seed: u32,
 }
 
 impl Sample {
-    pub(crate) fn new(seed: u64, x: u32, y: u32, sample: u32, spp: u32) -> Self {
-        let per_pixel = spp.next_power_of_two().trailing_zeros().min(SAMPLE_BITS);
+    /// The sample with this number, from 0, of the pixel in column `x` and row `y`.
+    pub(crate) fn new(seed: u64, x: u32, y: u32, sample: u32) -> Self {
         let mask = (1 << BLOCK_BITS) - 1;
         let morton = spread_bits(x & mask) | spread_bits(y & mask) << 1;
-        let index = morton << per_pixel | (sample & ((1 << per_pixel) - 1));
+        let index = sample & ((1 << SAMPLE_BITS) - 1);
         // A sequence that is used up begins anew, scrambled in another way.
-        let block = mix(mix(x >> BLOCK_BITS, y >> BLOCK_BITS), sample >> per_pixel);
+        let block = mix(mix(x >> BLOCK_BITS, y >> BLOCK_BITS), sample >> SAMPLE_BITS);
         let seed = mix(mix(seed as u32, (seed >> 32) as u32), block);
-        Self { reversed_index: index.reverse_bits(), seed }
+        Self { reversed_index: index.reverse_bits(), reversed_morton: morton.reverse_bits(), seed }
     }
 
     /// The `part`-th of 2^`bits` samples in the place of this one, spread as well as if the pixel
@@ -62,13 +107,24 @@ impl Sample {
         Self { reversed_index: self.reversed_index >> bits | part.reverse_bits(), ..*self }
     }
 
+    /// The place in the sequence of a key, and the shift of the pixel there: both are shuffled, each by itself, which leaves aligned
+    /// ranges of places and aligned squares of pixels together.
+    #[inline]
+    fn shuffled(&self, seed: u32) -> (u32, [u32; 2]) {
+        let index = laine_karras(self.reversed_index, seed).reverse_bits() & 0xffff;
+        let morton = laine_karras(self.reversed_morton, mix(seed, 3)).reverse_bits();
+        let low = SHIFT_TABLE[0][(morton & 0xff) as usize];
+        let high = SHIFT_TABLE[1][(morton >> 8 & 0xff) as usize];
+        (index, [low[0] ^ high[0], low[1] ^ high[1]])
+    }
+
     /// A point of the open unit square.
     #[inline]
     pub(crate) fn pair(&self, key: Key) -> (f64, f64) {
         let seed = mix(self.seed, key.0);
-        let index = laine_karras(self.reversed_index, seed).reverse_bits();
-        let x = laine_karras(index, mix(seed, 1)).reverse_bits();
-        let y = laine_karras(sobol_reversed(index), mix(seed, 2)).reverse_bits();
+        let (index, shift) = self.shuffled(seed);
+        let x = laine_karras(index ^ shift[0], mix(seed, 1)).reverse_bits();
+        let y = laine_karras(sobol_reversed(index) ^ shift[1], mix(seed, 2)).reverse_bits();
         (to_unit(x), to_unit(y))
     }
 
@@ -76,8 +132,8 @@ impl Sample {
     #[inline]
     pub(crate) fn single(&self, key: Key) -> f64 {
         let seed = mix(self.seed, key.0);
-        let index = laine_karras(self.reversed_index, seed).reverse_bits();
-        to_unit(laine_karras(index, mix(seed, 1)).reverse_bits())
+        let (index, shift) = self.shuffled(seed);
+        to_unit(laine_karras(index ^ shift[0], mix(seed, 1)).reverse_bits())
     }
 }
 
@@ -157,12 +213,47 @@ mod tests {
         }
     }
 
+    /// Whether these rows, each a row of a square matrix over the field of two elements, are independent.
+    fn independent(rows: impl Iterator<Item = u64>) -> bool {
+        let mut basis = [0_u64; 64];
+        for mut row in rows {
+            while row != 0 && basis[row.ilog2() as usize] != 0 {
+                row ^= basis[row.ilog2() as usize];
+            }
+            if row == 0 {
+                return false;
+            }
+            basis[row.ilog2() as usize] = row;
+        }
+        true
+    }
+
+    #[test]
+    fn shifts_and_any_number_of_samples_generate_nets() {
+        for k in 0..=16_u32 {
+            // For each digit of x and y, which bits of the sample's number and of the Morton number it is the sum of.
+            let row = |digit: u32, axis: usize, n: u32| {
+                let sobol = |bit: u32| if axis == 0 { 1 << bit } else { sobol_reversed(1 << bit) };
+                let of_sample = (0..k).map(|b| u64::from(sobol(b) >> digit & 1) << b);
+                let of_pixel =
+                    (0..n).map(|c| u64::from(SHIFTS[c as usize][axis] >> digit & 1) << (k + c));
+                of_sample.chain(of_pixel).sum::<u64>()
+            };
+            for n in (0..=16).step_by(2) {
+                for across in 0..=k + n {
+                    let x = (0..across).map(|digit| row(digit, 0, n));
+                    let y = (0..k + n - across).map(|digit| row(digit, 1, n));
+                    assert!(independent(x.chain(y)), "{k} {n} {across}");
+                }
+            }
+        }
+    }
+
     #[test]
     fn samples_of_a_pixel_are_a_net() {
         for (x, y) in [(0, 0), (3, 7), (255, 255), (256, 0), (4000, 3000)] {
             for key in [Key::FILTER, Key::LENS, Key::ROOT.child(5)] {
-                let points: Vec<_> =
-                    (0..64).map(|s| Sample::new(1, x, y, s, 64).pair(key)).collect();
+                let points: Vec<_> = (0..64).map(|s| Sample::new(1, x, y, s).pair(key)).collect();
                 assert_net(&points);
             }
         }
@@ -170,35 +261,39 @@ mod tests {
 
     #[test]
     fn samples_of_neighbours_are_a_net_together() {
-        let mut points = Vec::new();
-        for y in 4..8 {
-            for x in 12..16 {
-                points.extend((0..4).map(|s| Sample::new(9, x, y, s, 4).pair(Key::ROOT)));
+        for samples in [1, 2, 4, 16, 32] {
+            for edge in [2, 4, 8] {
+                for key in [Key::FILTER, Key::ROOT.child(3)] {
+                    let mut points = Vec::new();
+                    for (x, y) in (0..edge * edge).map(|i| (16 + i % edge, 24 + i / edge)) {
+                        points.extend((0..samples).map(|s| Sample::new(9, x, y, s).pair(key)));
+                    }
+                    assert_net(&points);
+                }
             }
         }
-        assert_net(&points);
     }
 
     #[test]
     fn parts_of_the_samples_of_a_pixel_are_a_net() {
-        let part = |s, part| Sample::new(1, 700, 9, s, 16).part(part, 2).pair(Key::LENS);
+        let part = |s, part| Sample::new(1, 700, 9, s).part(part, 2).pair(Key::LENS);
         assert_net(&(0..64).map(|i| part(i / 4, i % 4)).collect::<Vec<_>>());
-        let sample = Sample::new(1, 700, 9, 3, 16);
+        let sample = Sample::new(1, 700, 9, 3);
         assert_eq!(sample.part(0, 0).pair(Key::LENS), sample.pair(Key::LENS));
     }
 
     #[test]
     fn samples_depend_on_every_argument() {
-        let base = Sample::new(1, 2, 3, 4, 16).pair(Key::LENS);
-        assert_eq!(base, Sample::new(1, 2, 3, 4, 16).pair(Key::LENS));
+        let base = Sample::new(1, 2, 3, 4).pair(Key::LENS);
+        assert_eq!(base, Sample::new(1, 2, 3, 4).pair(Key::LENS));
         for other in [
-            Sample::new(2, 2, 3, 4, 16).pair(Key::LENS),
-            Sample::new(1 << 40 | 1, 2, 3, 4, 16).pair(Key::LENS),
-            Sample::new(1, 3, 3, 4, 16).pair(Key::LENS),
-            Sample::new(1, 2 + 256, 3, 4, 16).pair(Key::LENS),
-            Sample::new(1, 2, 4, 4, 16).pair(Key::LENS),
-            Sample::new(1, 2, 3, 5, 16).pair(Key::LENS),
-            Sample::new(1, 2, 3, 4, 16).pair(Key::FILTER),
+            Sample::new(2, 2, 3, 4).pair(Key::LENS),
+            Sample::new(1 << 40 | 1, 2, 3, 4).pair(Key::LENS),
+            Sample::new(1, 3, 3, 4).pair(Key::LENS),
+            Sample::new(1, 2 + 256, 3, 4).pair(Key::LENS),
+            Sample::new(1, 2, 4, 4).pair(Key::LENS),
+            Sample::new(1, 2, 3, 5).pair(Key::LENS),
+            Sample::new(1, 2, 3, 4).pair(Key::FILTER),
         ] {
             assert_ne!(base, other);
         }
@@ -210,7 +305,7 @@ mod tests {
         for (a, b) in [(Key::FILTER, Key::LENS), (Key::ROOT.child(0), Key::ROOT.child(1))] {
             let mut sum = 0.0;
             for s in 0..n {
-                let sample = Sample::new(7, 1, 1, s, n);
+                let sample = Sample::new(7, 1, 1, s);
                 sum += (sample.single(a) - 0.5) * (sample.single(b) - 0.5);
             }
             let correlation = 12.0 * sum / f64::from(n);
@@ -219,10 +314,22 @@ mod tests {
     }
 
     #[test]
+    fn dimensions_of_neighbours_are_not_correlated() {
+        for (a, b) in [(Key::FILTER, Key::LENS), (Key::ROOT.child(0), Key::ROOT.child(1))] {
+            let mut sum = 0.0;
+            for i in 0..4096 {
+                let sample = Sample::new(7, i % 64, i / 64, 0);
+                sum += (sample.single(a) - 0.5) * (sample.single(b) - 0.5);
+            }
+            let correlation = 12.0 * sum / 4096.0;
+            assert!(correlation.abs() < 0.05, "{correlation}");
+        }
+    }
+
+    #[test]
     fn more_samples_than_a_sequence_holds_do_not_repeat() {
-        let n = 1 << 20;
-        let a = Sample::new(0, 1, 1, 5, n).pair(Key::LENS);
-        let b = Sample::new(0, 1, 1, 5 + (1 << SAMPLE_BITS), n).pair(Key::LENS);
+        let a = Sample::new(0, 1, 1, 5).pair(Key::LENS);
+        let b = Sample::new(0, 1, 1, 5 + (1 << SAMPLE_BITS)).pair(Key::LENS);
         assert_ne!(a, b);
     }
 }

@@ -50,6 +50,8 @@ pub(crate) struct World {
     /// For each thing the index of its role in `roles`: those of the objects, then of the lights.
     role_of: Vec<u32>,
     roles: Vec<Role>,
+    /// For each body the index of its object in the scene.
+    body_objects: Vec<u32>,
     finishes: Vec<Finish>,
     pub(crate) lamps: Vec<Lamp>,
     pub(crate) sky: Heaven,
@@ -92,7 +94,9 @@ impl World {
             };
             builder.add_simple(shape, role);
         }
-        let Gathered { things, turned_roles: mut role_of, simple_roles, bodies, .. } = builder;
+        let Gathered {
+            things, turned_roles: mut role_of, simple_roles, body_objects, bodies, ..
+        } = builder;
         role_of.extend(simple_roles);
         let finishes: Vec<_> = scene.materials.iter().map(Finish::new).collect();
         let bodies = bodies.build(&finishes)?;
@@ -130,6 +134,7 @@ impl World {
             things,
             role_of,
             roles,
+            body_objects,
             finishes,
             lamps,
             sky,
@@ -157,6 +162,14 @@ impl World {
                 Role::Surface { finish, solid: bodies.is_solid(body) }
             }
             _ => self.role(contact.thing),
+        }
+    }
+
+    /// The index in the scene of the object that a contact is on; lamps come behind all objects.
+    pub(crate) fn object(&self, contact: &Contact) -> u32 {
+        match contact.on {
+            On::Body(_) => self.body_objects[self.body(contact) as usize],
+            On::Thing(_) => self.role_of[contact.thing as usize],
         }
     }
 
@@ -338,7 +351,7 @@ mod tests {
                 for described in convex_shapes(center, size) {
                     let shape = alone(&described);
                     for i in 0..4000 {
-                        let sample = Sample::new(3, i, 0, 0, 1);
+                        let sample = Sample::new(3, i, 0, 0);
                         let distance = if i % 2 == 0 { 3.0 } else { 1e5 } * size;
                         let outwards = warp::cap(sample.pair(Key::ROOT), 2.0);
                         let aim = warp::cap(sample.pair(Key::LENS), 2.0) * (0.9 * size);
@@ -382,7 +395,7 @@ mod tests {
                     continue;
                 }
                 for i in 0..2000 {
-                    let sample = Sample::new(3, i, 0, 0, 1);
+                    let sample = Sample::new(3, i, 0, 0);
                     let outwards = warp::cap(sample.pair(Key::ROOT), 2.0);
                     let ray = Ray::new(center + outwards * (4.0 * size), -outwards);
                     let hit = shape.closest(0, &ray).unwrap();

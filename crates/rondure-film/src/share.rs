@@ -1,0 +1,302 @@
+//! Shares of a picture, and how they are put together.
+
+use crate::{Film, FilmError, Portion, Recipe, Statistics, Window};
+
+/// A share of a picture: sums, and which samples they are of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Share {
+    /// What the picture is made from.
+    pub recipe: Recipe,
+    /// Which of how many parts it was to be, both from 1, if it was made as one of a number.
+    pub part: Option<(u32, u32)>,
+    /// What has been taken; no sample twice.
+    pub covered: Vec<Portion>,
+    /// The sums.
+    pub film: Film,
+    /// The work that went into them.
+    pub statistics: Statistics,
+}
+
+impl Share {
+    /// All samples of all pixels of the picture.
+    pub fn whole(&self) -> Portion {
+        let [width, height] = self.film.size();
+        Portion { window: Window::whole(width, height), samples: 0..self.recipe.spp }
+    }
+
+    /// What is missing to the whole picture.
+    pub fn missing(&self) -> Vec<Portion> {
+        self.whole().missing(&self.covered)
+    }
+
+    /// The part with number `part` of `parts` (from 1) of a picture: a band of rows, all bands as high as each other to within one row. `None` if there
+    /// is no such part: 0, more than `parts`, or more parts than rows.
+    pub fn portion(whole: &Portion, part: u32, parts: u32) -> Option<Portion> {
+        let window = whole.window;
+        if part == 0 || part > parts || parts > window.height {
+            return None;
+        }
+        let at = |k: u32| (u64::from(window.height) * u64::from(k) / u64::from(parts)) as u32;
+        let (top, bottom) = (at(part - 1), at(part));
+        let window = Window { y: window.y + top, height: bottom - top, ..window };
+        Some(Portion { window, samples: whole.samples.clone() })
+    }
+}
+
+/// Why shares do not make a picture.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum MergeError {
+    /// A share is of another picture.
+    #[error("`{name}` does not belong with `{first}`: {difference}")]
+    Foreign {
+        /// The share.
+        name: String,
+        /// The share that came first.
+        first: String,
+        /// In what they differ.
+        difference: String,
+    },
+    /// Two shares have samples in common.
+    #[error("`{name}` and `{other}` have {common} in common")]
+    Doubled {
+        /// The share.
+        name: String,
+        /// One that came before.
+        other: String,
+        /// What both have.
+        common: Portion,
+    },
+    /// The shares do not fill the picture.
+    #[error("{}", missing_text(parts, portions))]
+    Missing {
+        /// The numbers of the parts that are missing, and of how many, if the shares were made as parts of a number.
+        parts: Option<(Vec<u32>, u32)>,
+        /// What is missing.
+        portions: Vec<Portion>,
+    },
+    /// The sums cannot be added.
+    #[error("`{name}` cannot be added: {source}")]
+    Film {
+        /// The share.
+        name: String,
+        /// Why not.
+        source: FilmError,
+    },
+}
+
+fn missing_text(parts: &Option<(Vec<u32>, u32)>, portions: &[Portion]) -> String {
+    const SHOWN: usize = 5;
+    let list = |items: Vec<String>| {
+        let more = items.len().saturating_sub(SHOWN);
+        let shown = items.into_iter().take(SHOWN).collect::<Vec<_>>().join("; ");
+        if more > 0 { format!("{shown}; and {more} more") } else { shown }
+    };
+    match parts {
+        Some((missing, all)) if !missing.is_empty() => {
+            let names = missing.iter().map(|k| format!("{k}/{all}")).collect();
+            format!("missing: part {}", list(names))
+        }
+        _ => format!("missing: {}", list(portions.iter().map(Portion::to_string).collect())),
+    }
+}
+
+/// Puts shares together, in any order.
+#[derive(Debug, Default)]
+pub struct Merge {
+    sum: Option<Share>,
+    /// The name of each share, with its part and what it has.
+    names: Vec<(String, Option<(u32, u32)>, Vec<Portion>)>,
+}
+
+impl Merge {
+    /// Adds a share, which goes by a name in errors.
+    ///
+    /// # Errors
+    /// If it is of another picture than those before, or has samples that one of them has; then it is not added.
+    pub fn add(&mut self, name: &str, share: &Share) -> Result<(), MergeError> {
+        let owned = || name.to_owned();
+        if let Some(sum) = &self.sum {
+            let first = &self.names[0].0;
+            let foreign = |difference| MergeError::Foreign {
+                name: owned(),
+                first: first.clone(),
+                difference,
+            };
+            let size = |share: &Share| share.film.size();
+            if let Some(difference) = sum.recipe.difference(&share.recipe) {
+                return Err(foreign(difference));
+            }
+            if size(sum) != size(share) {
+                let [[a, b], [c, d]] = [size(share), size(sum)];
+                return Err(foreign(format!("its picture has {a}x{b} pixels, not {c}x{d}")));
+            }
+            if sum.film.layers() != share.film.layers() {
+                return Err(foreign("it has other layers".to_owned()));
+            }
+        }
+        for (other, _, portions) in &self.names {
+            for ours in &share.covered {
+                if let Some(common) = portions.iter().find_map(|theirs| theirs.common(ours)) {
+                    return Err(MergeError::Doubled {
+                        name: owned(),
+                        other: other.clone(),
+                        common,
+                    });
+                }
+            }
+        }
+        let film_error = |source| MergeError::Film { name: owned(), source };
+        let sum = match &mut self.sum {
+            Some(sum) => sum,
+            none => {
+                let size = share.film.size();
+                let whole = Window::whole(size[0], size[1]);
+                let film = Film::new(size, whole, share.film.layers()).map_err(film_error)?;
+                none.insert(Share {
+                    recipe: share.recipe.clone(),
+                    part: None,
+                    covered: Vec::new(),
+                    film,
+                    statistics: Statistics::default(),
+                })
+            }
+        };
+        sum.film.merge(&share.film).map_err(film_error)?;
+        sum.statistics.add(&share.statistics);
+        sum.covered.extend_from_slice(&share.covered);
+        self.names.push((owned(), share.part, share.covered.clone()));
+        Ok(())
+    }
+
+    /// All that was added, whether or not it is the whole picture; `None` if it was nothing.
+    pub fn so_far(self) -> Option<Share> {
+        let mut sum = self.sum?;
+        sum.covered = Portion::joined(sum.covered);
+        Some(sum)
+    }
+
+    /// The whole picture; `None` if nothing was added.
+    ///
+    /// # Errors
+    /// If something is missing.
+    pub fn finish(self) -> Result<Option<Share>, MergeError> {
+        let parts = self.missing_parts();
+        let Some(sum) = self.so_far() else { return Ok(None) };
+        let portions = Portion::joined(sum.missing());
+        if portions.is_empty() {
+            Ok(Some(sum))
+        } else {
+            Err(MergeError::Missing { parts, portions })
+        }
+    }
+
+    /// The numbers of the parts that are not there, if all that are there were made as parts of the same number.
+    fn missing_parts(&self) -> Option<(Vec<u32>, u32)> {
+        let mut there = Vec::new();
+        let mut all = None;
+        for (_, part, _) in &self.names {
+            let (number, of) = (*part)?;
+            if *all.get_or_insert(of) != of {
+                return None;
+            }
+            there.push(number);
+        }
+        let all = all?;
+        Some(((1..=all).filter(|number| !there.contains(number)).collect(), all))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Layers, PixelSample, film::Guide};
+
+    const SIZE: [u32; 2] = [9, 11];
+
+    fn recipe() -> Recipe {
+        Recipe { name: "a".to_owned(), scene: [1; 32], spp: 4, settings: Vec::new() }
+    }
+
+    fn share(part: u32, parts: u32) -> Share {
+        let whole = Portion { window: Window::whole(SIZE[0], SIZE[1]), samples: 0..4 };
+        let portion = Share::portion(&whole, part, parts).unwrap();
+        of(portion, Some((part, parts)))
+    }
+
+    fn of(portion: Portion, part: Option<(u32, u32)>) -> Share {
+        let mut film = Film::new(SIZE, portion.window, Layers::default()).unwrap();
+        let window = portion.window;
+        for y in window.y..window.y + window.height {
+            for x in window.x..window.x + window.width {
+                for s in portion.samples.clone() {
+                    let light = [f64::from(x), 0.1 * f64::from(y), 1e-9 * f64::from(s)];
+                    let guide = Guide::default();
+                    assert!(film.add(x, y, &PixelSample { light, negative: false, guide }));
+                }
+            }
+        }
+        let statistics = Statistics { camera_rays: portion.count() as u64, ..Default::default() };
+        Share { recipe: recipe(), part, covered: vec![portion], film, statistics }
+    }
+
+    #[test]
+    fn parts_divide_all_rows() {
+        let whole = Portion { window: Window { x: 2, y: 5, width: 7, height: 11 }, samples: 0..3 };
+        for parts in 1..=11 {
+            let all: Vec<_> =
+                (1..=parts).map(|k| Share::portion(&whole, k, parts).unwrap()).collect();
+            assert_eq!(Portion::joined(all.clone()), std::slice::from_ref(&whole));
+            let heights = all.iter().map(|p| p.window.height);
+            assert!(heights.clone().max().unwrap() - heights.min().unwrap() <= 1);
+        }
+        for (part, parts) in [(0, 3), (4, 3), (1, 0), (12, 12), (1, 12)] {
+            assert_eq!(Share::portion(&whole, part, parts), None);
+        }
+    }
+
+    #[test]
+    fn any_order_makes_the_same_share() {
+        let whole = of(share(1, 1).covered[0].clone(), None);
+        let mut shares: Vec<_> = (1..=7).map(|k| share(k, 7)).collect();
+        for turn in 0..7 {
+            shares.rotate_left(turn);
+            let mut merge = Merge::default();
+            shares.iter().for_each(|s| merge.add("x", s).unwrap());
+            assert_eq!(merge.finish().unwrap().unwrap(), whole);
+        }
+    }
+
+    #[test]
+    fn what_does_not_fit_is_told_by_name() {
+        let mut merge = Merge::default();
+        merge.add("one", &share(1, 3)).unwrap();
+        let told =
+            |merge: &mut Merge, share: &Share| merge.add("two", share).unwrap_err().to_string();
+        let other = Recipe { scene: [2; 32], ..recipe() };
+        let foreign = told(&mut merge, &Share { recipe: other, ..share(2, 3) });
+        assert!(
+            foreign.starts_with("`two` does not belong with `one`: it is of another scene"),
+            "{foreign}"
+        );
+        let small = Film::new([9, 10], Window::whole(9, 1), Layers::default()).unwrap();
+        let sizes = told(&mut merge, &Share { film: small, ..share(2, 3) });
+        assert!(sizes.contains("9x10 pixels, not 9x11"), "{sizes}");
+        let layered = Film::new(SIZE, Window::whole(9, 1), Layers::ALL).unwrap();
+        assert!(told(&mut merge, &Share { film: layered, ..share(2, 3) }).contains("layers"));
+        let doubled = told(&mut merge, &share(1, 3));
+        assert_eq!(doubled, "`two` and `one` have 9x3 at 0,0, samples 0..4 in common");
+        let window = Window { x: 4, y: 2, width: 3, height: 4 };
+        let overlap = told(&mut merge, &of(Portion { window, samples: 3..4 }, None));
+        assert_eq!(overlap, "`two` and `one` have 3x1 at 4,2, samples 3..4 in common");
+        merge.add("three", &share(3, 3)).unwrap();
+        let missing = merge.finish().unwrap_err().to_string();
+        assert_eq!(missing, "missing: part 2/3");
+        let mut merge = Merge::default();
+        let window = Window { x: 0, y: 0, width: 9, height: 10 };
+        merge.add("most", &of(Portion { window, samples: 0..4 }, None)).unwrap();
+        let missing = merge.finish().unwrap_err().to_string();
+        assert_eq!(missing, "missing: 9x1 at 0,10, samples 0..4");
+        assert!(Merge::default().finish().unwrap().is_none());
+    }
+}

@@ -1,0 +1,42 @@
+//! What the eye sees first along a ray, for the layers beside the light.
+//!
+//! Asked apart from the light, and only where a film keeps it. Mirrors, clear glass and lamps have a white albedo: what they show is not theirs.
+
+use rondure::Ray;
+use rondure_film::{Center, Guide};
+
+use crate::{
+    camera::View,
+    color::Rgb,
+    finish::Finish,
+    world::{Role, World},
+};
+
+/// Albedo and normal of what a ray meets.
+pub(crate) fn guide(world: &World, ray: &Ray) -> Guide {
+    let Some(contact) = world.closest(ray) else { return Guide::default() };
+    let surface = world.interaction(ray, &contact);
+    let albedo = match world.met(ray, &contact) {
+        Role::Lamp(_) => Rgb::WHITE,
+        Role::Surface { finish, .. } => match world.finish(finish) {
+            Finish::Matte { color } | Finish::Glossy { color, .. } => color.at(surface.uv),
+            Finish::Mirror { .. } | Finish::Glass { .. } => Rgb::WHITE,
+        },
+    };
+    let towards = surface.normal.dot(ray.direction) <= 0.0;
+    let normal = if towards { surface.normal } else { -surface.normal };
+    Guide { albedo: [albedo.r, albedo.g, albedo.b], normal: [normal.x, normal.y, normal.z] }
+}
+
+/// What the ray through the middle of a pixel and of the lens meets.
+pub(crate) fn center(world: &World, view: &View, x: u32, y: u32) -> Center {
+    let ray = view.ray(f64::from(x) + 0.5, f64::from(y) + 0.5, (0.5, 0.5));
+    let Some(contact) = world.closest(&ray) else { return Center::SKY };
+    let point = world.interaction(&ray, &contact).point;
+    let (object, material) = match world.met(&ray, &contact) {
+        Role::Lamp(_) => (0, 0),
+        Role::Surface { finish, .. } => (1 + world.object(&contact), 1 + finish),
+    };
+    let position = [point.x as f32, point.y as f32, point.z as f32];
+    Center { depth: view.depth(point) as f32, position, object, material }
+}

@@ -1,0 +1,172 @@
+//! What all tiles of a picture share, and how one of them is made.
+//!
+//! A sample is a function of the scene, the seed, its pixel and its number alone, and the film's sums are exact: whoever makes which tile and
+//! which samples, where and when, the picture is the same, bit for bit.
+
+use core::ops::Range;
+
+use rondure_film::{Film, Guide, Layers, Pass, PixelSample, Portion, Statistics, Window};
+use rondure_scene::Scene;
+
+use crate::{
+    Progress, RenderError, Settings,
+    camera::View,
+    features,
+    filter::Filter,
+    integrator::{Tracer, split_bits},
+    sampler::{Key, Sample},
+    world::World,
+};
+
+/// The most reflections and refractions, whatever the scene asks for: after so many, the most
+/// perfect real mirror has swallowed half of the light, and the stack still holds them.
+const MAX_DEPTH: u32 = 200;
+
+/// A picture to be made: a scene, ready to be asked for tiles.
+#[derive(Debug)]
+pub struct Job<'a> {
+    world: World,
+    view: View,
+    filter: Filter,
+    scene: &'a Scene,
+    seed: u64,
+    layers: Layers,
+}
+
+/// What is made once for a pass and shared by all its tiles.
+#[derive(Debug)]
+pub struct Prepared {
+    pass: Pass,
+}
+
+impl Prepared {
+    /// The pass that it is for.
+    pub fn pass(&self) -> Pass {
+        self.pass
+    }
+}
+
+/// What the samples of a tile add up to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TileSums {
+    /// The sums, over the tile.
+    pub film: Film,
+    /// The work that went into them.
+    pub statistics: Statistics,
+}
+
+impl<'a> Job<'a> {
+    /// Gets a scene ready; the film will have these layers.
+    ///
+    /// # Errors
+    /// If the scene cannot be rendered.
+    pub fn new(scene: &'a Scene, settings: &Settings, layers: Layers) -> Result<Self, RenderError> {
+        let film = &scene.film;
+        let (width, height) = (film.width, film.height);
+        if width == 0 || height == 0 || film.spp == 0 {
+            return Err(RenderError::EmptyFilm { width, height, spp: film.spp });
+        }
+        Ok(Self {
+            world: World::new(scene)?,
+            view: View::new(&scene.camera, width, height).ok_or(RenderError::Camera)?,
+            filter: Filter::new(),
+            scene,
+            seed: settings.seed,
+            layers,
+        })
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> &Scene {
+        self.scene
+    }
+
+    /// The layers of the film.
+    pub fn layers(&self) -> Layers {
+        self.layers
+    }
+
+    /// The size of the picture, width and height.
+    pub fn size(&self) -> [u32; 2] {
+        [self.scene.film.width, self.scene.film.height]
+    }
+
+    /// All pixels with all samples that the scene asks for.
+    pub fn whole(&self) -> Portion {
+        let [width, height] = self.size();
+        Portion { window: Window::whole(width, height), samples: 0..self.scene.film.spp }
+    }
+
+    /// Makes what all tiles of a pass share. It depends on the job and the number of the pass alone.
+    pub fn prepare(&self, pass: Pass) -> Prepared {
+        Prepared { pass }
+    }
+
+    /// Takes the `samples` of one pass in the pixels of `tile`.
+    ///
+    /// # Errors
+    /// If the samples are not of the pass or the tile is not in the picture, if there is not enough memory, or if `progress` asks to stop.
+    pub fn tile(
+        &self,
+        prepared: &Prepared,
+        tile: Window,
+        samples: &Range<u32>,
+        progress: &dyn Progress,
+    ) -> Result<TileSums, RenderError> {
+        let of_pass = prepared.pass.samples();
+        if samples.start < of_pass.start || samples.end > of_pass.end {
+            return Err(RenderError::OtherPass { samples: samples.clone(), pass: of_pass });
+        }
+        let mut film = Film::new(self.size(), tile, self.layers)?;
+        let mut statistics = Statistics::default();
+        for y in tile.y..tile.y + tile.height {
+            if progress.is_cancelled() {
+                return Err(RenderError::Cancelled);
+            }
+            for x in tile.x..tile.x + tile.width {
+                if self.layers.guides && samples.start == 0 {
+                    film.set_center(x, y, features::center(&self.world, &self.view, x, y));
+                }
+                for index in samples.clone() {
+                    match self.sample(x, y, index, &mut statistics) {
+                        Some(sample) if film.add(x, y, &sample) => {}
+                        _ => statistics.invalid_samples += 1,
+                    }
+                }
+            }
+        }
+        Ok(TileSums { film, statistics })
+    }
+
+    /// One sample of one pixel; `None` if it is not an amount of light.
+    fn sample(
+        &self,
+        x: u32,
+        y: u32,
+        index: u32,
+        statistics: &mut Statistics,
+    ) -> Option<PixelSample> {
+        let film = &self.scene.film;
+        let sample = Sample::new(self.seed, x, y, index);
+        let (u, v) = sample.pair(Key::FILTER);
+        let lens = if self.view.has_lens() { sample.pair(Key::LENS) } else { (0.5, 0.5) };
+        let ray = self.view.ray(
+            f64::from(x) + 0.5 + self.filter.offset(u),
+            f64::from(y) + 0.5 + self.filter.offset(v),
+            lens,
+        );
+        let mut tracer = Tracer {
+            world: &self.world,
+            depth: film.depth.min(MAX_DEPTH),
+            sample,
+            split_bits: split_bits(film.spp),
+            statistics: Statistics::default(),
+        };
+        let light = tracer.camera_ray(&ray);
+        statistics.add(&tracer.statistics);
+        let guide =
+            if self.layers.guides { features::guide(&self.world, &ray) } else { Guide::default() };
+        let light = light.is_light().then_some([light.r, light.g, light.b])?;
+        Some(PixelSample { light, negative: false, guide })
+    }
+}

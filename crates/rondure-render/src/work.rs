@@ -1,0 +1,205 @@
+//! A portion of a picture in the making: tile after tile, pass after pass, to be stopped and gone on with at any tile.
+
+use core::ops::Range;
+use std::sync::{Mutex, PoisonError};
+
+use rayon::prelude::*;
+use rondure_film::{Film, Pass, Portion, Statistics, Window};
+
+use crate::{
+    Progress, RenderError,
+    job::{Job, Prepared},
+};
+
+/// The edge of a tile, in pixels.
+const TILE: u32 = 32;
+
+/// How [`Work::run`] ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// All is done.
+    Finished,
+    /// It was asked to stop; whole tiles are kept, and another run goes on from there.
+    Stopped,
+}
+
+/// A portion of a picture, as far as it is done.
+#[derive(Clone, Debug)]
+pub struct Work {
+    portion: Portion,
+    tiles: Vec<Window>,
+    /// For each tile the number of the next sample.
+    next: Vec<u32>,
+    film: Film,
+    statistics: Statistics,
+}
+
+/// The sums so far, in the middle of the work.
+#[derive(Debug)]
+pub struct Snapshot<'a> {
+    portion: &'a Portion,
+    tiles: &'a [Window],
+    next: &'a [u32],
+    /// The sums.
+    pub film: &'a Film,
+    /// The work that went into them.
+    pub statistics: &'a Statistics,
+}
+
+impl Snapshot<'_> {
+    /// What has been taken, tile by tile.
+    pub fn covered(&self) -> Vec<Portion> {
+        covered(self.portion, self.tiles, self.next)
+    }
+
+    /// The share of all samples that has been taken, from 0 to 1.
+    pub fn done(&self) -> f64 {
+        done(self.portion, self.tiles, self.next)
+    }
+}
+
+fn covered(portion: &Portion, tiles: &[Window], next: &[u32]) -> Vec<Portion> {
+    let start = portion.samples.start;
+    let begun = tiles.iter().zip(next).filter(|&(_, &next)| next > start);
+    begun.map(|(&window, &next)| Portion { window, samples: start..next }).collect()
+}
+
+fn done(portion: &Portion, tiles: &[Window], next: &[u32]) -> f64 {
+    let start = portion.samples.start;
+    let taken = |(tile, &next): (&Window, &u32)| tile.pixels() as f64 * f64::from(next - start);
+    tiles.iter().zip(next).map(taken).sum::<f64>() / portion.count()
+}
+
+/// What the threads share.
+struct Shared<'a> {
+    film: &'a mut Film,
+    statistics: &'a mut Statistics,
+    next: &'a mut [u32],
+}
+
+impl Work {
+    /// A portion of the job's picture, not begun.
+    ///
+    /// # Errors
+    /// If it has nothing in it or is not in the picture, or its film does not fit into memory.
+    pub fn new(job: &Job<'_>, portion: Portion) -> Result<Self, RenderError> {
+        Self::with_tiles(job, portion, TILE)
+    }
+
+    /// The same with tiles of `edge` pixels (at least 1) instead of 32. The picture does not depend on it.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn with_tiles(job: &Job<'_>, portion: Portion, edge: u32) -> Result<Self, RenderError> {
+        let film = Film::new(job.size(), portion.window, job.layers())?;
+        if portion.samples.is_empty() {
+            let [width, height] = job.size();
+            return Err(RenderError::EmptyFilm { width, height, spp: 0 });
+        }
+        let tiles: Vec<_> = portion.window.tiles(edge).collect();
+        let next = vec![portion.samples.start; tiles.len()];
+        Ok(Self { portion, tiles, next, film, statistics: Statistics::default() })
+    }
+
+    /// The sums so far.
+    pub fn film(&self) -> &Film {
+        &self.film
+    }
+
+    /// The work that went into them.
+    pub fn statistics(&self) -> &Statistics {
+        &self.statistics
+    }
+
+    /// The state, as [`Progress::landed`] sees it.
+    pub fn snapshot(&self) -> Snapshot<'_> {
+        Snapshot {
+            portion: &self.portion,
+            tiles: &self.tiles,
+            next: &self.next,
+            film: &self.film,
+            statistics: &self.statistics,
+        }
+    }
+
+    /// Works until all is done, or `progress` asks to stop.
+    ///
+    /// # Errors
+    /// If the threads cannot be started or the memory does not suffice; what is done is kept.
+    pub fn run(
+        &mut self,
+        job: &Job<'_>,
+        threads: Option<usize>,
+        progress: &dyn Progress,
+    ) -> Result<Outcome, RenderError> {
+        match threads {
+            Some(1) => self.passes(job, false, progress),
+            Some(threads) => rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()?
+                .install(|| self.passes(job, true, progress)),
+            None => self.passes(job, true, progress),
+        }
+    }
+
+    fn passes(
+        &mut self,
+        job: &Job<'_>,
+        parallel: bool,
+        progress: &dyn Progress,
+    ) -> Result<Outcome, RenderError> {
+        for (pass, samples) in Pass::of_range(self.portion.samples.clone()) {
+            let left: Vec<_> =
+                (0..self.tiles.len()).filter(|&i| self.next[i] < samples.end).collect();
+            if left.is_empty() {
+                continue;
+            }
+            match self.pass(job, &job.prepare(pass), &samples, &left, parallel, progress) {
+                Err(RenderError::Cancelled) => return Ok(Outcome::Stopped),
+                other => other?,
+            }
+        }
+        progress.advance(1.0);
+        Ok(Outcome::Finished)
+    }
+
+    fn pass(
+        &mut self,
+        job: &Job<'_>,
+        prepared: &Prepared,
+        samples: &Range<u32>,
+        left: &[usize],
+        parallel: bool,
+        progress: &dyn Progress,
+    ) -> Result<(), RenderError> {
+        let (portion, tiles) = (&self.portion, self.tiles.as_slice());
+        let starts = self.next.clone();
+        let shared = Mutex::new(Shared {
+            film: &mut self.film,
+            statistics: &mut self.statistics,
+            next: &mut self.next,
+        });
+        let tile = |&i: &usize| {
+            if progress.is_enough() {
+                return Err(RenderError::Cancelled);
+            }
+            let todo = starts[i].max(samples.start)..samples.end;
+            let sums = job.tile(prepared, tiles[i], &todo, progress)?;
+            // Whoever panicked while holding the lock ends the whole work.
+            let mut shared = shared.lock().unwrap_or_else(PoisonError::into_inner);
+            shared.film.merge(&sums.film)?;
+            shared.statistics.add(&sums.statistics);
+            shared.next[i] = todo.end;
+            let Shared { film, statistics, next } = &*shared;
+            let so_far = Snapshot { portion, tiles, next, film, statistics };
+            progress.advance(so_far.done());
+            progress.landed(&so_far);
+            Ok(())
+        };
+        if parallel {
+            left.par_iter().with_max_len(1).try_for_each(tile)
+        } else {
+            left.iter().try_for_each(tile)
+        }
+    }
+}
