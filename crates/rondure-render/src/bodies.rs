@@ -77,6 +77,24 @@ enum Clarity {
 }
 
 impl Bodies {
+    pub(crate) fn len(&self) -> usize {
+        self.all.len()
+    }
+
+    pub(crate) fn bounds(&self, body: u32) -> Bounds {
+        self.all[body as usize].bounds()
+    }
+
+    /// The finishes of all its faces.
+    pub(crate) fn finishes(&self, body: u32) -> impl Iterator<Item = u32> + '_ {
+        let body = &self.all[body as usize];
+        let own = match &body.kind {
+            Kind::Solid(made) => made.finishes.as_slice(),
+            Kind::Sheet(_) => &[None],
+        };
+        own.iter().map(|finish| finish.unwrap_or(body.finish))
+    }
+
     /// Whether the body has an inside.
     pub(crate) fn is_solid(&self, body: u32) -> bool {
         matches!(self.all[body as usize].kind, Kind::Solid(_))

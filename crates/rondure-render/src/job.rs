@@ -6,7 +6,7 @@
 use core::ops::Range;
 
 use rondure_film::{Film, Guide, Layers, Pass, PixelSample, Portion, Statistics, Window};
-use rondure_scene::Scene;
+use rondure_scene::{Integrator, Scene};
 
 use crate::{
     Progress, RenderError, Settings,
@@ -14,6 +14,10 @@ use crate::{
     features,
     filter::Filter,
     integrator::{Tracer, split_bits},
+    path::{
+        self,
+        photons::{Aim, Photons, Volley},
+    },
     sampler::{Key, Sample},
     world::World,
 };
@@ -31,12 +35,15 @@ pub struct Job<'a> {
     scene: &'a Scene,
     seed: u64,
     layers: Layers,
+    /// Where photons for caustics go, if there are any.
+    aim: Option<Aim>,
 }
 
 /// What is made once for a pass and shared by all its tiles.
 #[derive(Debug)]
 pub struct Prepared {
     pass: Pass,
+    photons: Option<Photons>,
 }
 
 impl Prepared {
@@ -66,8 +73,14 @@ impl<'a> Job<'a> {
         if width == 0 || height == 0 || film.spp == 0 {
             return Err(RenderError::EmptyFilm { width, height, spp: film.spp });
         }
+        let world = World::new(scene)?;
+        let aim = match film.integrator {
+            Integrator::Path => Aim::new(&world),
+            Integrator::Whitted => None,
+        };
         Ok(Self {
-            world: World::new(scene)?,
+            world,
+            aim,
             view: View::new(&scene.camera, width, height).ok_or(RenderError::Camera)?,
             filter: Filter::new(),
             scene,
@@ -99,7 +112,17 @@ impl<'a> Job<'a> {
 
     /// Makes what all tiles of a pass share. It depends on the job and the number of the pass alone.
     pub fn prepare(&self, pass: Pass) -> Prepared {
-        Prepared { pass }
+        let [width, height] = self.size();
+        let samples = pass.samples();
+        let volley = Volley {
+            seed: self.seed,
+            pass: pass.0,
+            first: samples.start,
+            samples: f64::from(width) * f64::from(height) * samples.len() as f64,
+            depth: self.scene.film.depth.min(MAX_DEPTH),
+        };
+        let photons = self.aim.as_ref().map(|aim| Photons::new(&self.world, aim, &volley));
+        Prepared { pass, photons }
     }
 
     /// Takes the `samples` of one pass in the pixels of `tile`.
@@ -128,7 +151,7 @@ impl<'a> Job<'a> {
                     film.set_center(x, y, features::center(&self.world, &self.view, x, y));
                 }
                 for index in samples.clone() {
-                    match self.sample(x, y, index, &mut statistics) {
+                    match self.sample(prepared, x, y, index, &mut statistics) {
                         Some(sample) if film.add(x, y, &sample) => {}
                         _ => statistics.invalid_samples += 1,
                     }
@@ -141,6 +164,7 @@ impl<'a> Job<'a> {
     /// One sample of one pixel; `None` if it is not an amount of light.
     fn sample(
         &self,
+        prepared: &Prepared,
         x: u32,
         y: u32,
         index: u32,
@@ -155,15 +179,33 @@ impl<'a> Job<'a> {
             f64::from(y) + 0.5 + self.filter.offset(v),
             lens,
         );
-        let mut tracer = Tracer {
-            world: &self.world,
-            depth: film.depth.min(MAX_DEPTH),
-            sample,
-            split_bits: split_bits(film.spp),
-            statistics: Statistics::default(),
+        let depth = film.depth.min(MAX_DEPTH);
+        let light = match film.integrator {
+            Integrator::Path => {
+                let mut tracer = path::Tracer {
+                    world: &self.world,
+                    photons: prepared.photons.as_ref(),
+                    depth,
+                    sample,
+                    statistics: Statistics::default(),
+                };
+                let light = tracer.camera_ray(&ray);
+                statistics.add(&tracer.statistics);
+                light
+            }
+            Integrator::Whitted => {
+                let mut tracer = Tracer {
+                    world: &self.world,
+                    depth,
+                    sample,
+                    split_bits: split_bits(film.spp),
+                    statistics: Statistics::default(),
+                };
+                let light = tracer.camera_ray(&ray);
+                statistics.add(&tracer.statistics);
+                light
+            }
         };
-        let light = tracer.camera_ray(&ray);
-        statistics.add(&tracer.statistics);
         let guide =
             if self.layers.guides { features::guide(&self.world, &ray) } else { Guide::default() };
         let light = light.is_light().then_some([light.r, light.g, light.b])?;

@@ -2,7 +2,7 @@
 
 use core::f64::consts::{PI, TAU};
 
-use rondure::{Vec3, numeric::gamma};
+use rondure::{Ray, Vec3, numeric::gamma};
 use rondure_scene::{Light, Sky};
 
 use crate::{
@@ -141,6 +141,22 @@ impl Lamp {
         }
     }
 
+    /// How much the lamp lights a place, about, were nothing in the way.
+    #[inline]
+    pub(crate) fn importance(&self, at: Vec3) -> f64 {
+        let spread = |center: Vec3, size: f64| (center - at).length_squared().max(size * size);
+        match *self {
+            Self::Point { position, intensity } => {
+                intensity.luminance() / spread(position, f64::MIN_POSITIVE)
+            }
+            Self::Sun { irradiance: light, .. } | Self::SunDisk { light, .. } => light.luminance(),
+            Self::Disk { center, radius, radiance, .. }
+            | Self::Sphere { center, radius, radiance } => {
+                radiance.luminance() * PI * radius * radius / spread(center, radius)
+            }
+        }
+    }
+
     /// The density by solid angle with which [`sample`](Self::sample) finds a place on the light's
     /// body that lies in this direction at this distance.
     #[inline]
@@ -157,6 +173,107 @@ impl Lamp {
             Self::Point { .. } | Self::Sun { .. } | Self::SunDisk { .. } => 0.0,
         }
     }
+}
+
+/// A ray of light that leaves a lamp.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Emitted {
+    pub(crate) ray: Ray,
+    /// The flux that goes this way, over the density with which it was chosen.
+    pub(crate) power: Rgb,
+}
+
+/// Light sent out towards a ball.
+impl Lamp {
+    /// The flux that meets the ball, about, were nothing in the way.
+    pub(crate) fn flux_to(&self, center: Vec3, radius: f64) -> Rgb {
+        let seen_from = |at: Vec3| TAU * visible_cap(center, radius, at).1;
+        match *self {
+            Self::Point { position, intensity } => intensity * seen_from(position),
+            Self::Sun { irradiance: light, .. } | Self::SunDisk { light, .. } => {
+                light * (PI * radius * radius)
+            }
+            Self::Disk { center: from, frame, radius: r, radiance } => {
+                let towards = frame.to_local(center - from);
+                // Half hidden behind the plane of the disk, it still gets some.
+                let cos = (towards.z + radius).max(0.0) / (towards.length() + radius);
+                radiance * (PI * r * r * cos * seen_from(from))
+            }
+            Self::Sphere { center: from, radius: r, radiance } => {
+                radiance * (PI * r * r * seen_from(from))
+            }
+        }
+    }
+
+    /// A ray towards the ball, from a place chosen by `place`, in a direction chosen by `aim`.
+    pub(crate) fn emit(
+        &self,
+        center: Vec3,
+        radius: f64,
+        place: (f64, f64),
+        aim: (f64, f64),
+    ) -> Option<Emitted> {
+        // A direction into the cone in which the ball is seen, and its solid angle.
+        let towards = |from: Vec3| {
+            let (to_center, cap) = visible_cap(center, radius, from);
+            let axis = if cap < ALL_ROUND { to_center.normalized() } else { Vec3::Z };
+            (Frame::new(axis).to_world(warp::cap(aim, cap)), TAU * cap)
+        };
+        let parallel = |direction: Vec3, light: Rgb| {
+            let (x, y) = warp::disk(place);
+            let across = Frame::new(direction).to_world(Vec3::new(x, y, 0.0)) * radius;
+            // From beyond all things: the first of them counts. How far that is, the world's size
+            // would tell; the ray is a line instead.
+            let ray =
+                Ray::new(center + across, -direction).with_range(f64::NEG_INFINITY, f64::INFINITY);
+            Emitted { ray, power: light * (PI * radius * radius) }
+        };
+        match *self {
+            Self::Point { position, intensity } => {
+                let (direction, solid_angle) = towards(position);
+                let ray = Ray::new(position, direction);
+                Some(Emitted { ray, power: intensity * solid_angle })
+            }
+            Self::Sun { direction, irradiance } => Some(parallel(direction, irradiance)),
+            Self::SunDisk { frame, light, cap } => {
+                Some(parallel(frame.to_world(warp::cap(aim, cap)), light))
+            }
+            Self::Disk { center: from, frame, radius: r, radiance } => {
+                let (x, y) = warp::disk(place);
+                let from = from + frame.to_world(Vec3::new(x * r, y * r, 0.0));
+                let (direction, solid_angle) = towards(from);
+                let cos = frame.to_local(direction).z;
+                let power = radiance * (PI * r * r * cos * solid_angle);
+                (cos > 0.0).then(|| Emitted {
+                    ray: leaving(from, frame.to_world(Vec3::Z), direction),
+                    power,
+                })
+            }
+            Self::Sphere { center: from, radius: r, radiance } => {
+                // From the half that faces the ball, unless the two are within each other.
+                let to_ball = center - from;
+                let half = to_ball.length_squared() > (radius + r) * (radius + r);
+                // The ball may be seen from a little beyond the half.
+                let (axis, height) = if half {
+                    let distance = to_ball.length();
+                    (to_ball / distance, 1.0 + (radius + r) / distance)
+                } else {
+                    (Vec3::Z, ALL_ROUND)
+                };
+                let normal = Frame::new(axis).to_world(warp::cap(place, height));
+                let from = from + normal * r;
+                let (direction, solid_angle) = towards(from);
+                let cos = direction.dot(normal);
+                let power = radiance * (TAU * height * r * r * cos * solid_angle);
+                (cos > 0.0).then(|| Emitted { ray: leaving(from, normal, direction), power })
+            }
+        }
+    }
+}
+
+/// A ray from a place on the body of a lamp, which it does not meet.
+fn leaving(from: Vec3, normal: Vec3, direction: Vec3) -> Ray {
+    Ray::new(from + normal * (gamma(64) * from.max_abs()), direction)
 }
 
 /// 1 - cos of the half angle under which a sphere is seen from inside.

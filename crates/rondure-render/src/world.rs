@@ -3,7 +3,7 @@
 //! Two trees: one over what blocks light, one over what lets it pass, clear glass and lamps. Bodies,
 //! which may be of several materials, have a third.
 
-use rondure::{Bounds, Bvh, Hit, Interaction, Ray};
+use rondure::{Bounds, Bvh, Hit, Interaction, Ray, Vec3};
 use rondure_scene::{Light, Scene, Shape as Described};
 
 use crate::{
@@ -14,6 +14,7 @@ use crate::{
     fresnel,
     gather::{Gathered, materials},
     light::{Heaven, Lamp},
+    optics::Optics,
     shape::{Disk, Shape, Sphere},
     things::Things,
 };
@@ -53,6 +54,8 @@ pub(crate) struct World {
     /// For each body the index of its object in the scene.
     body_objects: Vec<u32>,
     finishes: Vec<Finish>,
+    /// The same materials for the path tracer.
+    optics: Vec<Optics>,
     pub(crate) lamps: Vec<Lamp>,
     pub(crate) sky: Heaven,
     /// The radiance that comes out white in the picture.
@@ -99,6 +102,7 @@ impl World {
         } = builder;
         role_of.extend(simple_roles);
         let finishes: Vec<_> = scene.materials.iter().map(Finish::new).collect();
+        let optics: Vec<_> = scene.materials.iter().map(Optics::new).collect();
         let bodies = bodies.build(&finishes)?;
         let mut roles: Vec<_> = scene
             .objects
@@ -136,6 +140,7 @@ impl World {
             roles,
             body_objects,
             finishes,
+            optics,
             lamps,
             sky,
             white,
@@ -180,6 +185,71 @@ impl World {
     #[inline]
     pub(crate) fn finish(&self, finish: u32) -> &Finish {
         &self.finishes[finish as usize]
+    }
+
+    #[inline]
+    pub(crate) fn optics(&self, finish: u32) -> &Optics {
+        &self.optics[finish as usize]
+    }
+
+    /// How many things and bodies there are.
+    pub(crate) fn count(&self) -> usize {
+        self.things.len() + self.bodies.as_ref().map_or(0, Bodies::len)
+    }
+
+    /// The box round a thing, or behind all things a body.
+    pub(crate) fn bounds(&self, thing: u32) -> Bounds {
+        match (thing as usize).checked_sub(self.things.len()) {
+            None => self.things.bounds(thing),
+            Some(body) => {
+                self.bodies.as_ref().map_or(Bounds::EMPTY, |bodies| bodies.bounds(body as u32))
+            }
+        }
+    }
+
+    /// The greatest share of light that some surface of a thing sends on by narrow lobes, about; `None`
+    /// for a lamp.
+    pub(crate) fn focus(&self, thing: u32) -> Option<f64> {
+        let body = (thing as usize).checked_sub(self.things.len());
+        match (body, &self.bodies) {
+            (Some(body), Some(bodies)) => {
+                let focus = bodies.finishes(body as u32).map(|f| self.optics(f).focus());
+                Some(focus.fold(0.0, f64::max))
+            }
+            _ => match self.role(thing) {
+                Role::Surface { finish, .. } => Some(self.optics(finish).focus()),
+                Role::Lamp(_) => None,
+            },
+        }
+    }
+
+    /// Whether photons can come to rest anywhere.
+    pub(crate) fn is_some_surface_wide(&self) -> bool {
+        self.optics.iter().any(Optics::is_wide)
+    }
+
+    /// One of the lamps for a place, in proportion to how much each may light it, and its probability.
+    pub(crate) fn choose_lamp(&self, at: Vec3, choice: f64) -> Option<(usize, f64)> {
+        let sum: f64 = self.lamps.iter().map(|lamp| lamp.importance(at)).sum();
+        let mut left = choice * sum;
+        let mut last = None;
+        for (i, lamp) in self.lamps.iter().enumerate() {
+            let importance = lamp.importance(at);
+            if importance > 0.0 {
+                last = Some((i, importance / sum));
+                left -= importance;
+                if left < 0.0 {
+                    break;
+                }
+            }
+        }
+        last
+    }
+
+    /// The probability with which [`choose_lamp`](Self::choose_lamp) finds a lamp.
+    pub(crate) fn lamp_share(&self, at: Vec3, lamp: usize) -> f64 {
+        let sum: f64 = self.lamps.iter().map(|lamp| lamp.importance(at)).sum();
+        if sum > 0.0 { self.lamps[lamp].importance(at) / sum } else { 0.0 }
     }
 
     /// The absorption and the index of refraction of glass.
@@ -227,6 +297,22 @@ impl World {
             }
             _ => thing,
         }
+    }
+
+    /// Whether anything at all stands in the ray's range, lamps and clear glass among them.
+    #[inline]
+    pub(crate) fn is_occluded(&self, ray: &Ray) -> bool {
+        let mut found = false;
+        for tree in [&self.blocking, &self.passing] {
+            tree.walk(ray, |thing| {
+                found = self.things.any(thing, ray);
+                if found { f64::NEG_INFINITY } else { ray.t_max }
+            });
+            if found {
+                return true;
+            }
+        }
+        self.bodies.as_ref().is_some_and(|bodies| bodies.closest(&mut { *ray }).is_some())
     }
 
     /// Whether something that is not clear stands in the ray's range. Lamps never do.
@@ -305,7 +391,7 @@ impl World {
 mod tests {
     use std::sync::Arc;
 
-    use rondure::{Affine, Instance, Profile, Surface, Vec3};
+    use rondure::{Affine, Instance, Profile, Surface};
     use rondure_scene::{Copies, Cut, Object, Shape as Described};
 
     use super::*;

@@ -162,6 +162,14 @@ impl Boundary<'_> {
         Part { value: Rgb::splat(value), pdf }
     }
 
+    /// The part of the choices in [`sample`](Self::sample) that a smooth boundary reflects.
+    pub(crate) fn split(&self, cos: f64) -> Option<f64> {
+        let smooth = self.roughness.is_none();
+        smooth.then(|| {
+            Facet::new(Vec3::Z, Vec3::new(0.0, 0.0, cos), self.before, self.behind).reflectance
+        })
+    }
+
     /// A direction on either side.
     pub(crate) fn sample(&self, wo: Vec3, choice: f64, u: (f64, f64)) -> Option<Scatter> {
         let Some(Roughness { ggx, .. }) = self.roughness else {

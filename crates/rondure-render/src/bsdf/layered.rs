@@ -242,6 +242,11 @@ impl Layered {
         parts
     }
 
+    /// The part of the choices in [`sample`](Self::sample) that scatter evenly; the others reflect.
+    pub(crate) fn split(&self, cos: f64, color: Rgb) -> Option<f64> {
+        self.shares(cos, color).map(|shares| shares.rest + shares.fuzz)
+    }
+
     /// A direction, chosen about in proportion to the light that it sends.
     pub(crate) fn sample(
         &self,

@@ -1,2 +1,297 @@
-//! Paths.
+//! Light along paths (Kajiya 1986, "The Rendering Equation"): from the eye from surface to surface, at each of
+//! which lamps and sky are looked for too. What both ways can find is weighted by Veach's power heuristic
+//! (1995, "Optimally Combining Sampling Techniques").
+//!
+//! One kind of light a path finds by chance alone, and too rarely: from a lamp through narrow lobes, mirrors
+//! and glass, onto a wide one. That are caustics, and `photons` brings them from the lamps; here what
+//! arrives that way is left out. `vertex` is a place on a path, `media` what the path is inside of.
+
 mod media;
+pub(crate) mod photons;
+mod vertex;
+
+use rondure::Ray;
+use rondure_film::Statistics;
+
+use self::{
+    media::Media,
+    photons::Photons,
+    vertex::{Draw, Vertex, is_dispersive},
+};
+use crate::{
+    bsdf::{Kind, Part, Wavelength},
+    coat::power_heuristic,
+    color::Rgb,
+    light::Incoming,
+    sampler::{Key, Sample},
+    world::{Role, World},
+};
+
+/// The first place on a path at which it can be ended at random.
+const ROULETTE_FROM: u32 = 3;
+/// The most lamps that are all looked at where the eye sees a surface; of more, and later on the path, one is
+/// chosen.
+const FEW_LAMPS: usize = 16;
+
+/// The scatterings after which a path branches no more, and the least weight of a branch.
+const SPLITS: u32 = 8;
+const SPLIT_WEIGHT: f64 = 0.01;
+
+// The random numbers of a place on a path.
+const NEXT: u32 = 0;
+const BRANCH: u32 = 8;
+const DIRECTION: u32 = 1;
+const LOBE: u32 = 2;
+const ROULETTE: u32 = 3;
+const SKY: u32 = 4;
+const MODEL: u32 = 5;
+const LAMP: u32 = 6;
+const WAVELENGTH: u32 = 7;
+const LAMPS: u32 = 16;
+
+/// The random numbers for a place on a path.
+fn draw(sample: &Sample, key: Key) -> Draw {
+    Draw {
+        model: sample.single(key.child(MODEL)),
+        lobe: sample.single(key.child(LOBE)),
+        direction: sample.pair(key.child(DIRECTION)),
+    }
+}
+
+/// Follows the path of one sample of one pixel.
+pub(crate) struct Tracer<'a> {
+    pub(crate) world: &'a World,
+    pub(crate) photons: Option<&'a Photons>,
+    /// How often light may be scattered before it meets the eye.
+    pub(crate) depth: u32,
+    pub(crate) sample: Sample,
+    pub(crate) statistics: Statistics,
+}
+
+/// A path as far as it has come.
+#[derive(Clone, Copy)]
+struct Walk {
+    /// How often it was scattered, and how often it passed a boundary that is none.
+    depth: u32,
+    hidden: u32,
+    ray: Ray,
+    /// The share of the ray's light that reaches the eye.
+    weight: Rgb,
+    /// The density by solid angle with which the ray was chosen, and by what kind of lobe.
+    pdf: f64,
+    kind: Kind,
+    /// Whether a wide lobe has scattered the path.
+    scattered: bool,
+    /// Whether the ray comes from something that photons are aimed at.
+    from_target: bool,
+    /// Whether all lamps were looked for where the ray comes from, and not one of them.
+    all_lamps: bool,
+    media: Media,
+    wavelength: Option<Wavelength>,
+    key: Key,
+}
+
+impl Tracer<'_> {
+    /// The radiance that comes against a ray from the camera, of unit direction.
+    ///
+    /// As long as the path runs by mirrors and glass, and carries enough weight, both ways are followed that
+    /// it can take: what is reflected, and the rest.
+    pub(crate) fn camera_ray(&mut self, ray: &Ray) -> Rgb {
+        self.statistics.camera_rays += 1;
+        let mut light = Rgb::BLACK;
+        let mut waiting = vec![Walk {
+            ray: *ray,
+            weight: Rgb::WHITE,
+            depth: 0,
+            hidden: 0,
+            pdf: f64::INFINITY,
+            kind: Kind::Narrow,
+            scattered: false,
+            from_target: false,
+            all_lamps: true,
+            media: Media::default(),
+            wavelength: None,
+            key: Key::ROOT,
+        }];
+        while let Some(mut walk) = waiting.pop() {
+            // Boundaries that are none do not count, but there is an end to them too.
+            while walk.depth <= self.depth + 1 && walk.hidden <= self.depth + 16 {
+                let Some(onward) = self.step(walk, &mut light, &mut waiting) else { break };
+                walk = onward;
+            }
+        }
+        light
+    }
+
+    /// Adds the light that is found at the next place of the path, and goes on from there. Where the path
+    /// branches, the branch waits.
+    fn step(&mut self, mut walk: Walk, light: &mut Rgb, waiting: &mut Vec<Walk>) -> Option<Walk> {
+        let world = self.world;
+        let Some(contact) = world.closest(&walk.ray) else {
+            *light += walk.weight * self.sky(&walk);
+            return None;
+        };
+        let filling =
+            walk.media.filling().and_then(|body| world.optics(body.finish).glass.as_ref());
+        if let Some(glass) = filling {
+            walk.weight = walk.weight * glass.absorption.map(|a| (-a * contact.t).exp());
+        }
+        let (finish, solid) = match world.met(&walk.ray, &contact) {
+            Role::Lamp(lamp) => {
+                *light += walk.weight * self.lamp(&walk, lamp, contact.t);
+                return None;
+            }
+            Role::Surface { finish, solid } => (finish, solid),
+        };
+        let optics = world.optics(finish);
+        *light += walk.weight * optics.emission;
+        if walk.depth > self.depth {
+            return None;
+        }
+        if walk.wavelength.is_none() && is_dispersive(optics) {
+            let wavelength = Wavelength(self.sample.single(walk.key.child(WAVELENGTH)));
+            walk.weight = walk.weight * wavelength.color();
+            walk.wavelength = Some(wavelength);
+        }
+        let draw = draw(&self.sample, walk.key);
+        let (ray, media) = (walk.ray, walk.media);
+        let met = (finish, solid);
+        let vertex = Vertex::new(world, &ray, &contact, met, &media, walk.wavelength, &draw);
+        let is_target = self.photons.is_some_and(|photons| photons.is_target(contact.thing));
+        let all_lamps = !walk.scattered && world.lamps.len() <= FEW_LAMPS;
+        if vertex.is_lit() {
+            // What is seen of a lamp in narrow lobes from a wide one is a caustic.
+            let narrow = !(walk.scattered && is_target);
+            *light += walk.weight * self.direct(&walk, &vertex, narrow, all_lamps);
+        }
+        if let Some(photons) = self.photons
+            && vertex.is_wide()
+        {
+            let left = self.depth - walk.depth;
+            let index = filling.map_or(1.0, |glass| glass.ior(walk.wavelength));
+            *light += walk.weight * photons.gather(&vertex, contact.thing, left) / (index * index);
+        }
+        let split = vertex.split().filter(|share| {
+            let least = share.min(1.0 - share) * walk.weight.max_channel();
+            !walk.scattered && walk.depth < SPLITS && least >= SPLIT_WEIGHT
+        });
+        let branches = match split {
+            Some(share) => [Some((0.0, share)), Some((share, 1.0 - share))],
+            None => [Some((0.0, 1.0)), None],
+        };
+        let mut next = None;
+        for ((from, share), branch) in branches.into_iter().flatten().zip([NEXT, BRANCH]) {
+            let draw = Draw { lobe: from + share * draw.lobe, ..draw };
+            let Some(onward) = vertex.onward(&media, &draw) else { continue };
+            let mut weight = walk.weight * onward.weight * share;
+            if walk.depth >= ROULETTE_FROM && !onward.straight {
+                let live = weight.max_channel().min(1.0);
+                if !(self.sample.single(walk.key.child(ROULETTE)) < live) {
+                    continue;
+                }
+                weight = weight / live;
+            }
+            self.statistics.secondary_rays += 1;
+            let mut onwards = Walk {
+                ray: onward.ray,
+                weight,
+                media: onward.media,
+                key: walk.key.child(branch),
+                hidden: walk.hidden + 1,
+                ..walk
+            };
+            if !onward.straight {
+                onwards.hidden = walk.hidden;
+                onwards.depth += 1;
+                onwards.pdf = onward.pdf;
+                onwards.kind = onward.kind;
+                onwards.scattered |= onward.kind == Kind::Wide;
+                onwards.from_target = is_target;
+                onwards.all_lamps = all_lamps;
+            }
+            waiting.extend(next.replace(onwards));
+        }
+        next
+    }
+
+    /// The light of the sky along the ray, as far as it was not looked for where the ray comes from.
+    fn sky(&self, walk: &Walk) -> Rgb {
+        let sky = &self.world.sky;
+        let direction = walk.ray.direction;
+        sky.radiance(direction) * power_heuristic(walk.pdf, sky.pdf(direction))
+    }
+
+    /// The same of a lamp that the ray meets; none if photons bring it.
+    fn lamp(&self, walk: &Walk, lamp: u32, distance: f64) -> Rgb {
+        if walk.scattered && walk.kind == Kind::Narrow && walk.from_target {
+            return Rgb::BLACK;
+        }
+        let Ray { origin, direction, .. } = walk.ray;
+        let found = &self.world.lamps[lamp as usize];
+        let share = if walk.all_lamps { 1.0 } else { self.world.lamp_share(origin, lamp as usize) };
+        let pdf = found.pdf(origin, direction, distance) * share;
+        found.radiance() * power_heuristic(walk.pdf, pdf)
+    }
+
+    /// The light of lamps and sky that a surface sends on; `narrow` tells whether what its narrow lobes send
+    /// counts.
+    fn direct(&mut self, walk: &Walk, vertex: &Vertex<'_>, narrow: bool, all: bool) -> Rgb {
+        let world = self.world;
+        let at = vertex.surface.point;
+        let mut sum = Rgb::BLACK;
+        if all {
+            for (i, lamp) in (0..).zip(&world.lamps) {
+                let u = self.sample.pair(walk.key.child(LAMPS + i));
+                if let Some(incoming) = lamp.sample(at, u) {
+                    sum += self.arriving(walk, vertex, &incoming, narrow);
+                }
+            }
+        } else {
+            let choice = self.sample.single(walk.key.child(LAMP));
+            if let Some((lamp, share)) = world.choose_lamp(at, choice) {
+                let u = self.sample.pair(walk.key.child(LAMPS));
+                if let Some(incoming) = world.lamps[lamp].sample(at, u) {
+                    let (light, pdf) = (incoming.light / share, incoming.pdf * share);
+                    let incoming = Incoming { light, pdf, ..incoming };
+                    sum += self.arriving(walk, vertex, &incoming, narrow);
+                }
+            }
+        }
+        if let Some(incoming) = world.sky.sample(self.sample.pair(walk.key.child(SKY))) {
+            // No photons come from the sky.
+            sum += self.arriving(walk, vertex, &incoming, true);
+        }
+        sum
+    }
+
+    /// What one sample of a light adds.
+    fn arriving(
+        &mut self,
+        walk: &Walk,
+        vertex: &Vertex<'_>,
+        incoming: &Incoming,
+        narrow: bool,
+    ) -> Rgb {
+        let parts = vertex.evaluate(incoming.direction);
+        let weigh = |part: Part| part.value * power_heuristic(incoming.pdf, part.pdf);
+        let mut seen = weigh(parts.wide);
+        if narrow {
+            seen += weigh(parts.narrow);
+        }
+        if seen.is_black() {
+            return Rgb::BLACK;
+        }
+        let ray = vertex.surface.spawn(incoming.direction).with_range(0.0, incoming.distance);
+        self.statistics.shadow_rays += 1;
+        if self.world.is_occluded(&ray) {
+            return Rgb::BLACK;
+        }
+        let mut light = incoming.light * seen;
+        if let Some(body) = walk.media.filling()
+            && let Some(glass) = &self.world.optics(body.finish).glass
+        {
+            light = light * glass.absorption.map(|a| (-a * incoming.distance).exp());
+        }
+        light
+    }
+}

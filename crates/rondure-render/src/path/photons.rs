@@ -1,0 +1,335 @@
+//! Caustics: photons from the lamps, through narrow lobes onto wide ones (Jensen 1996, "Global Illumination
+//! using Photon Maps"; passes with shrinking radii by Knaus and Zwicker 2011, "Progressive Photon Mapping: A
+//! Probabilistic Approach").
+//!
+//! Photons are aimed at *targets*, the things with narrow lobes: one for each pair of lamp and target, as
+//! much as the lamp can send there, into the cone in which the lamp sees the ball round the target. One that meets
+//! something else first is given up, so that each way of light belongs to one pair. A photon comes to rest
+//! wherever it meets a wide lobe, and goes on by narrow ones.
+//!
+//! The photons of a pass are a function of the scene, the seed and the pass alone.
+
+use rayon::prelude::*;
+use rondure::Vec3;
+
+use super::{
+    media::Media,
+    vertex::{Vertex, is_dispersive},
+};
+use crate::{
+    bsdf::{Kind, Wavelength},
+    color::Rgb,
+    light::Emitted,
+    sampler::{Key, Sample, mix},
+    world::{Role, World},
+};
+
+/// The most things that photons are aimed at; caustics of more are left to chance.
+const MOST_TARGETS: usize = 4096;
+/// The radius of the first pass, as part of the mean radius of the targets.
+const FIRST_RADIUS: f64 = 0.03;
+/// Photons that a pass sends out for each sample of the picture, and the least and the most of them.
+const PER_SAMPLE: f64 = 0.25;
+const FEWEST: f64 = 2e4;
+const MOST: f64 = 1e6;
+/// The way, as part of the radius of its target, from which on a photon counts in a larger radius.
+const WIDENS_FROM: f64 = 3.0;
+/// The greatest of the powers of two by which the radius of photons grows that come from far.
+const HIGHEST_LEVEL: u32 = 7;
+/// How far from the plane of the surface a photon may lie, as part of the radius.
+const FLATNESS: f64 = 0.2;
+
+// The random numbers of a photon's start.
+const PAIR: u32 = 1;
+const PLACE: u32 = 2;
+const AIM: u32 = 3;
+const WAVELENGTH: u32 = 4;
+const ROULETTE: u32 = 5;
+const NEXT: u32 = 0;
+
+/// What photons are aimed at, and how often.
+#[derive(Clone, Debug)]
+pub(crate) struct Aim {
+    /// For each thing whether it is a target.
+    is_target: Vec<bool>,
+    /// Lamp, thing, its ball, and the sum of the weights up to here.
+    pairs: Vec<Pair>,
+    /// The mean radius of the targets, weighted by the light that they get.
+    size: f64,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Pair {
+    lamp: u32,
+    thing: u32,
+    center: Vec3,
+    radius: f64,
+    /// The light that the lamp sends to the ball, about.
+    weight: f64,
+    /// The sum of the weights up to this pair.
+    until: f64,
+}
+
+impl Aim {
+    /// `None` if no photon can make a caustic.
+    pub(crate) fn new(world: &World) -> Option<Self> {
+        if !world.is_some_surface_wide() {
+            return None;
+        }
+        let mut is_target = vec![false; world.count()];
+        let mut pairs: Vec<Pair> = Vec::new();
+        let (mut until, mut size) = (0.0, 0.0);
+        let targets = || {
+            (0..world.count() as u32).filter_map(|thing| {
+                let focus = world.focus(thing)?;
+                let bounds = world.bounds(thing);
+                let (center, half) =
+                    ((bounds.min + bounds.max) * 0.5, (bounds.max - bounds.min) * 0.5);
+                let radius = half.length();
+                (focus > 0.0 && radius > 0.0 && radius.is_finite())
+                    .then_some((thing, center, radius, focus))
+            })
+        };
+        if targets().nth(MOST_TARGETS).is_some() {
+            return None;
+        }
+        for (thing, center, radius, focus) in targets() {
+            is_target[thing as usize] = true;
+            for (lamp, source) in (0..).zip(&world.lamps) {
+                let weight = source.flux_to(center, radius).luminance() * focus;
+                if weight > 0.0 && weight.is_finite() {
+                    until += weight;
+                    size += weight * radius;
+                    pairs.push(Pair { lamp, thing, center, radius, weight, until });
+                }
+            }
+        }
+        (until > 0.0).then(|| Self { is_target, pairs, size: size / until })
+    }
+
+    /// The pair that a number between 0 and 1 chooses, and its probability.
+    fn choose(&self, u: f64) -> Option<(&Pair, f64)> {
+        let sum = self.pairs.last()?.until;
+        let place = self.pairs.partition_point(|pair| pair.until <= u * sum);
+        let pair = self.pairs.get(place).or(self.pairs.last())?;
+        Some((pair, pair.weight / sum))
+    }
+}
+
+/// Light that came to rest.
+#[derive(Clone, Copy, Debug)]
+struct Photon {
+    point: Vec3,
+    /// Where it came from.
+    direction: Vec3,
+    power: Rgb,
+    thing: u32,
+    /// How often it was scattered.
+    bounces: u32,
+    /// The radius in which it counts, as a power of two times that of the pass.
+    level: u32,
+}
+
+/// The photons of one pass, in cells of a grid.
+#[derive(Debug)]
+pub(crate) struct Photons {
+    aim: Aim,
+    radius: f64,
+    /// For each level whether there are photons of it.
+    levels: [bool; HIGHEST_LEVEL as usize + 1],
+    /// In the order of the hashes of their cells.
+    all: Vec<Photon>,
+    /// Where those of each hash begin.
+    starts: Vec<u32>,
+}
+
+/// Which photons a pass sends out.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Volley {
+    pub(crate) seed: u64,
+    pub(crate) pass: u32,
+    /// The first sample of the pass, and how many samples the picture takes in it.
+    pub(crate) first: u32,
+    pub(crate) samples: f64,
+    /// How often light may be scattered.
+    pub(crate) depth: u32,
+}
+
+impl Photons {
+    pub(crate) fn new(world: &World, aim: &Aim, volley: &Volley) -> Self {
+        let count = (volley.samples * PER_SAMPLE).clamp(FEWEST, MOST) as u32;
+        let found: Vec<Vec<Photon>> = (0..count)
+            .into_par_iter()
+            .with_min_len(256)
+            .map(|i| shoot(world, aim, volley, i, count))
+            .collect();
+        // The area shrinks by the third root of the number of samples.
+        let radius = FIRST_RADIUS * aim.size * f64::from(volley.first + 1).powf(-1.0 / 6.0);
+        Self::sorted(aim.clone(), radius, found.into_iter().flatten().collect())
+    }
+
+    fn sorted(aim: Aim, radius: f64, photons: Vec<Photon>) -> Self {
+        let table = photons.len().next_power_of_two().max(1);
+        let hash = |photon: &Photon| {
+            hash(cell(photon.point, radius_of(radius, photon.level)), photon.level, table)
+        };
+        let mut starts = vec![0_u32; table + 1];
+        let mut levels = [false; HIGHEST_LEVEL as usize + 1];
+        for photon in &photons {
+            starts[hash(photon) + 1] += 1;
+            levels[photon.level as usize] = true;
+        }
+        for i in 0..table {
+            starts[i + 1] += starts[i];
+        }
+        let mut all = photons;
+        // Stable: within a cell in the order in which they were sent out.
+        all.sort_by_cached_key(hash);
+        Self { aim, radius, levels, all, starts }
+    }
+
+    /// Whether photons are aimed at a thing.
+    #[inline]
+    pub(crate) fn is_target(&self, thing: u32) -> bool {
+        self.aim.is_target[thing as usize]
+    }
+
+    /// The light of the photons that came to rest round a place on the same thing, as it is seen from there;
+    /// each scattered at most `left` times before.
+    pub(crate) fn gather(&self, vertex: &Vertex<'_>, thing: u32, left: u32) -> Rgb {
+        let levels = (0..).zip(&self.levels).filter(|(_, used)| **used);
+        levels
+            .fold(Rgb::BLACK, |sum, (level, _)| sum + self.gather_level(vertex, thing, left, level))
+    }
+
+    fn gather_level(&self, vertex: &Vertex<'_>, thing: u32, left: u32, level: u32) -> Rgb {
+        let surface = &vertex.surface;
+        let radius = radius_of(self.radius, level);
+        let first = cell(surface.point - Vec3::splat(radius), radius);
+        let r2 = radius * radius;
+        let mut sum = Rgb::BLACK;
+        for corner in 0..8 {
+            let at = [
+                first[0] + (corner & 1),
+                first[1] + (corner >> 1 & 1),
+                first[2] + (corner >> 2 & 1),
+            ];
+            let place = hash(at, level, self.starts.len() - 1);
+            let range = self.starts[place] as usize..self.starts[place + 1] as usize;
+            for photon in &self.all[range] {
+                if photon.thing != thing || photon.level != level || photon.bounces > left {
+                    continue;
+                }
+                let off = photon.point - surface.point;
+                let d2 = off.length_squared();
+                if d2 >= r2
+                    || off.dot(surface.normal).abs() > FLATNESS * radius
+                    || cell(photon.point, radius) != at
+                {
+                    continue;
+                }
+                let wide = vertex.evaluate(photon.direction).wide.value;
+                let cos = photon.direction.dot(surface.normal).abs();
+                if wide.is_black() || !(cos > 0.0) {
+                    continue;
+                }
+                // Epanechnikov's kernel: 2 (1 - d^2 / r^2) / (pi r^2).
+                sum += photon.power * wide * ((1.0 - d2 / r2) / cos);
+            }
+        }
+        sum * (2.0 * core::f64::consts::FRAC_1_PI / r2)
+    }
+}
+
+#[inline]
+fn radius_of(radius: f64, level: u32) -> f64 {
+    radius * f64::from(1_u32 << level)
+}
+
+/// The cell of a grid of cells two radii wide.
+#[inline]
+fn cell(point: Vec3, radius: f64) -> [i64; 3] {
+    let at = |x: f64| (x / (2.0 * radius)).floor() as i64;
+    [at(point.x), at(point.y), at(point.z)]
+}
+
+#[inline]
+fn hash(cell: [i64; 3], level: u32, table: usize) -> usize {
+    let [x, y, z] = cell.map(|x| x as u32);
+    mix(mix(x, y), mix(z, level)) as usize & (table - 1)
+}
+
+/// Follows one photon to all places where it comes to rest.
+fn shoot(world: &World, aim: &Aim, volley: &Volley, i: u32, count: u32) -> Vec<Photon> {
+    const OWN_SEED: u64 = 0x7068_6f74_6f6e_0001;
+    let sample = Sample::new(
+        volley.seed ^ OWN_SEED,
+        i >> 16,
+        volley.pass.wrapping_mul(0x9e37_79b1),
+        i & 0xffff,
+    );
+    let mut found = Vec::new();
+    let mut key = Key::ROOT;
+    let Some((pair, share)) = aim.choose(sample.single(key.child(PAIR))) else { return found };
+    let lamp = &world.lamps[pair.lamp as usize];
+    let (place, aimed) = (sample.pair(key.child(PLACE)), sample.pair(key.child(AIM)));
+    let Some(Emitted { mut ray, power }) = lamp.emit(pair.center, pair.radius, place, aimed) else {
+        return found;
+    };
+    let mut power = power / (share * f64::from(count));
+    let first_power = power.max_channel();
+    let (mut media, mut wavelength) = (Media::default(), None);
+    let mut bounces = 0;
+    let mut hidden = 0;
+    // How far it has come since it met its target.
+    let mut way = 0.0;
+    while bounces <= volley.depth && hidden <= volley.depth + 16 {
+        let Some(contact) = world.closest(&ray) else { break };
+        if bounces == 0 && hidden == 0 && contact.thing != pair.thing {
+            break;
+        }
+        let Role::Surface { finish, solid } = world.met(&ray, &contact) else { break };
+        if let Some(body) = media.filling()
+            && let Some(glass) = &world.optics(body.finish).glass
+        {
+            power = power * glass.absorption.map(|a| (-a * contact.t).exp());
+        }
+        let optics = world.optics(finish);
+        if wavelength.is_none() && is_dispersive(optics) {
+            let chosen = Wavelength(sample.single(key.child(WAVELENGTH)));
+            power = power * chosen.color();
+            wavelength = Some(chosen);
+        }
+        let draw = super::draw(&sample, key.child(7));
+        let vertex = Vertex::new(world, &ray, &contact, (finish, solid), &media, wavelength, &draw);
+        if bounces > 0 {
+            way += contact.t;
+        }
+        if bounces > 0 && vertex.is_wide() {
+            // Farther away photons lie farther apart, and what they show is less sharp.
+            let level = (way / (WIDENS_FROM * pair.radius)).log2().ceil().max(0.0) as u32;
+            found.push(Photon {
+                point: vertex.surface.point,
+                direction: -ray.direction,
+                power,
+                thing: contact.thing,
+                bounces,
+                level: level.min(HIGHEST_LEVEL),
+            });
+        }
+        let Some(onward) = vertex.onward(&media, &draw) else { break };
+        if onward.kind == Kind::Wide {
+            break;
+        }
+        power = power * onward.weight;
+        let live = (power.max_channel() / first_power).min(1.0);
+        if !(sample.single(key.child(ROULETTE)) < live) {
+            break;
+        }
+        power = power / live;
+        (ray, media) = (onward.ray, onward.media);
+        key = key.child(NEXT);
+        if onward.straight { hidden += 1 } else { bounces += 1 }
+    }
+    found
+}

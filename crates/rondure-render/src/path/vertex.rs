@@ -1,0 +1,214 @@
+//! A place on a path where it meets a surface, from the eye or from a lamp.
+
+use rondure::{Interaction, Ray, Vec3};
+
+use super::media::{Body, Media};
+use crate::{
+    bsdf::{Boundary, Kind, Layered, Parts, Scatter, Wavelength},
+    color::Rgb,
+    fresnel,
+    optics::{Medium, Optics},
+    warp::Frame,
+    world::{Contact, World},
+};
+
+/// The random numbers that a place takes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Draw {
+    /// Between what is glass and what is not.
+    pub(crate) model: f64,
+    /// Between lobes.
+    pub(crate) lobe: f64,
+    /// The direction.
+    pub(crate) direction: (f64, f64),
+}
+
+pub(crate) struct Vertex<'a> {
+    pub(crate) surface: Interaction,
+    /// Its z axis is the normal on the side that the path comes from.
+    frame: Frame,
+    normal: Vec3,
+    outgoing: Vec3,
+    model: Model<'a>,
+    /// The bodies on the other side.
+    beyond: Media,
+}
+
+enum Model<'a> {
+    Opaque {
+        layers: &'a Layered,
+        color: Rgb,
+    },
+    Clear(Boundary<'a>),
+    /// A sheet of glass without thickness.
+    Sheet {
+        ior: f64,
+    },
+    /// A boundary that another body hides.
+    Hidden,
+}
+
+/// How a path goes on.
+pub(crate) struct Onward {
+    pub(crate) ray: Ray,
+    pub(crate) weight: Rgb,
+    /// The density by solid angle; infinite if the direction was the only one.
+    pub(crate) pdf: f64,
+    pub(crate) kind: Kind,
+    pub(crate) media: Media,
+    /// Whether it passed a boundary that is none.
+    pub(crate) straight: bool,
+}
+
+impl<'a> Vertex<'a> {
+    /// `solid` tells whether the thing has an inside; `wavelength` that of a path which has met dispersion.
+    pub(crate) fn new(
+        world: &'a World,
+        ray: &Ray,
+        contact: &Contact,
+        (finish, solid): (u32, bool),
+        media: &Media,
+        wavelength: Option<Wavelength>,
+        draw: &Draw,
+    ) -> Self {
+        let surface = world.interaction(ray, contact);
+        let optics = world.optics(finish);
+        let outgoing = -ray.direction;
+        let entering = surface.normal.dot(outgoing) >= 0.0;
+        let normal = if entering { surface.normal } else { -surface.normal };
+        let mut beyond = *media;
+        let model = match &optics.glass {
+            Some(medium) if draw.model < optics.clarity => {
+                if solid {
+                    let body = Body { thing: contact.thing, finish, priority: medium.priority };
+                    beyond = if entering {
+                        media.entered(body)
+                    } else {
+                        media.left(contact.thing, finish)
+                    };
+                    boundary(world, medium, entering, media, &beyond, wavelength)
+                } else {
+                    Model::Sheet { ior: medium.ior(wavelength) }
+                }
+            }
+            _ => Model::Opaque { layers: &optics.opaque, color: optics.color.at(surface.uv) },
+        };
+        Self { surface, frame: Frame::new(normal), normal, outgoing, model, beyond }
+    }
+
+    /// The viewer's direction; rounding may have put it below the horizon.
+    #[inline]
+    fn wo(&self) -> Vec3 {
+        let mut wo = self.frame.to_local(self.outgoing);
+        wo.z = wo.z.max(f64::MIN_POSITIVE);
+        wo
+    }
+
+    /// Whether light from a lamp can be seen in it otherwise than as a mirror image.
+    #[inline]
+    pub(crate) fn is_lit(&self) -> bool {
+        match &self.model {
+            Model::Opaque { .. } => true,
+            Model::Clear(boundary) => boundary.roughness.is_some(),
+            Model::Sheet { .. } | Model::Hidden => false,
+        }
+    }
+
+    /// Whether some of the light that is seen comes by wide lobes.
+    #[inline]
+    pub(crate) fn is_wide(&self) -> bool {
+        matches!(&self.model, Model::Opaque { layers, .. } if layers.has(Kind::Wide))
+    }
+
+    /// What is sent back of the light from a direction on the viewer's side.
+    #[inline]
+    pub(crate) fn evaluate(&self, incoming: Vec3) -> Parts {
+        let wi = self.frame.to_local(incoming);
+        if !(wi.z > 0.0 && incoming.dot(self.normal) > 0.0) {
+            return Parts::default();
+        }
+        match &self.model {
+            Model::Opaque { layers, color } => layers.evaluate(self.wo(), wi, *color),
+            Model::Clear(boundary) => {
+                Parts { narrow: boundary.evaluate(self.wo(), wi), ..Parts::default() }
+            }
+            Model::Sheet { .. } | Model::Hidden => Parts::default(),
+        }
+    }
+
+    /// Where the numbers that choose between lobes part in two groups, the one reflected as by a mirror.
+    pub(crate) fn split(&self) -> Option<f64> {
+        let cos = self.wo().z.min(1.0);
+        match &self.model {
+            Model::Opaque { layers, color } => layers.split(cos, *color),
+            Model::Clear(boundary) => boundary.split(cos),
+            Model::Sheet { ior } => Some(fresnel::sheet(fresnel::from_air(cos, *ior))),
+            Model::Hidden => None,
+        }
+        .filter(|share| *share > 0.0 && *share < 1.0)
+    }
+
+    /// A ray that goes on from here; `media` are the bodies that the path is in.
+    pub(crate) fn onward(&self, media: &Media, draw: &Draw) -> Option<Onward> {
+        let perfect = |direction, pdf| {
+            Some(Scatter { direction, weight: Rgb::WHITE, pdf, kind: Kind::Narrow })
+        };
+        let wo = self.wo();
+        let scatter = match &self.model {
+            Model::Opaque { layers, color } => layers.sample(wo, *color, draw.lobe, draw.direction),
+            Model::Clear(boundary) => boundary.sample(wo, draw.lobe, draw.direction),
+            Model::Sheet { ior } => {
+                let reflected = draw.lobe < fresnel::sheet(fresnel::from_air(wo.z.min(1.0), *ior));
+                let direction = if reflected { Vec3::new(-wo.x, -wo.y, wo.z) } else { -wo };
+                perfect(direction, f64::INFINITY)
+            }
+            Model::Hidden => perfect(-wo, f64::INFINITY),
+        }?;
+        let through = scatter.direction.z < 0.0;
+        let direction = match self.model {
+            // Straight on means to the last bit.
+            Model::Sheet { .. } | Model::Hidden if through => -self.outgoing,
+            _ => self.frame.to_world(scatter.direction).normalized(),
+        };
+        let side = if through { -self.normal } else { self.normal };
+        // Rounding may turn a grazing direction to the wrong side, by as little as it is off.
+        let off = direction.dot(side);
+        let direction = if off < 0.0 { direction - side * (2.0 * off) } else { direction };
+        Some(Onward {
+            ray: self.surface.spawn(direction),
+            weight: scatter.weight,
+            // No lamp is looked for on the other side, so what is found there counts fully.
+            pdf: if through { f64::INFINITY } else { scatter.pdf },
+            kind: scatter.kind,
+            media: if through { self.beyond } else { *media },
+            straight: matches!(self.model, Model::Hidden),
+        })
+    }
+}
+
+fn boundary<'a>(
+    world: &World,
+    medium: &'a Medium,
+    entering: bool,
+    media: &Media,
+    beyond: &Media,
+    wavelength: Option<Wavelength>,
+) -> Model<'a> {
+    let (here, there) = (media.filling(), beyond.filling());
+    let index = |body: Option<Body>| {
+        let glass = body.and_then(|body| world.optics(body.finish).glass.as_ref());
+        glass.map_or(1.0, |glass| glass.ior(wavelength))
+    };
+    let before = match here {
+        // From within glass that the path has never entered.
+        None if !entering => medium.ior(wavelength),
+        _ if here == there => return Model::Hidden,
+        _ => index(here),
+    };
+    Model::Clear(Boundary { before, behind: index(there), roughness: medium.roughness.as_ref() })
+}
+
+/// Whether the glass on a path spreads white light out into colours.
+pub(crate) fn is_dispersive(optics: &Optics) -> bool {
+    optics.glass.as_ref().is_some_and(Medium::is_dispersive)
+}
