@@ -427,11 +427,29 @@ impl Tracer<'_> {
         let key = place.path.key.child(SKY);
         let frame = Frame::new(place.normal);
         self.split(place.path, |tracer, sample| {
-            let local = warp::cosine_hemisphere(sample.pair(key));
-            let direction = frame.to_world(local);
-            let light = tracer.world.sky.radiance(direction) * reflectance(local.z);
+            let sky = &tracer.world.sky;
+            let mut u = sample.pair(key);
+            // Of a picture half of the directions are chosen by its light; the density is that of both
+            // ways together (Veach and Guibas 1995).
+            let by_light = sky.is_picture() && u.1 < 0.5;
+            if sky.is_picture() {
+                u.1 = (2.0 * u.1).fract();
+            }
+            let direction = match by_light {
+                true => sky.sample(u).map(|found| found.direction),
+                false => Some(frame.to_world(warp::cosine_hemisphere(u))),
+            };
+            let Some(direction) = direction else { return Rgb::BLACK };
+            let cos = direction.dot(place.normal);
             // At the very horizon rounding decides on which side the direction lies.
-            if light.is_black() || !(direction.dot(place.normal) > 0.0) {
+            if !(cos > 0.0) {
+                return Rgb::BLACK;
+            }
+            let even = cos * core::f64::consts::FRAC_1_PI;
+            let weight =
+                if sky.is_picture() { 2.0 * even / (even + sky.pdf(direction)) } else { 1.0 };
+            let light = sky.radiance(direction) * reflectance(cos) * weight;
+            if light.is_black() {
                 return Rgb::BLACK;
             }
             tracer.statistics.shadow_rays += 1;

@@ -3,9 +3,11 @@
 //! This tree is the border between reading and rendering. Lengths are in scene units, angles in
 //! radians, colours linear Rec. 709 (sRGB primaries, no transfer curve).
 
+use std::sync::Arc;
+
 use rondure::{Instance, Vec3, solid::Sweep};
 
-use crate::{Body, Copies, Cut, Motion, Section};
+use crate::{Body, Copies, Cut, Image, Motion, Section};
 
 /// A linear colour or a radiance: red, green, blue.
 pub type Color = [f64; 3];
@@ -114,6 +116,17 @@ pub enum Sky {
         horizon: Color,
         /// The radiance straight down.
         ground: Color,
+    },
+    /// A picture of all directions, twice as wide as high: the angle from straight up grows evenly
+    /// with the rows from the top down, the angle round the z axis with the columns. Its middle lies at
+    /// +y, and from there its right half extends over +x to -y.
+    Image {
+        /// The radiance.
+        image: Arc<Image>,
+        /// The factor on it.
+        intensity: f64,
+        /// The angle by which the picture is turned, counterclockwise seen from above.
+        rotation: f64,
     },
 }
 

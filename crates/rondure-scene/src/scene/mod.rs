@@ -34,8 +34,8 @@ pub fn read_scene(path: &Path) -> Result<(Scene, Report), Report> {
     parse_scene(&path.display().to_string(), &text, folder)
 }
 
-/// Takes a scene from text in memory; `name` stands in messages where the path would, and profile
-/// files are looked for in `folder`.
+/// Takes a scene from text in memory; `name` stands in messages where the path would, and files
+/// are looked for in `folder`.
 ///
 /// # Errors
 ///
@@ -53,7 +53,7 @@ pub fn parse_scene(name: &str, text: &str, folder: &Path) -> Result<(Scene, Repo
         });
         return Err(report);
     }
-    let cx = Context::new(text, report);
+    let cx = Context::new(text, report, folder);
     let scene = decode(&cx, document.get_ref(), folder);
     let mut report = cx.into_report();
     report.sort();
