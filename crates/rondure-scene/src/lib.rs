@@ -13,6 +13,7 @@ mod engine;
 mod file;
 mod image;
 mod model;
+mod paint;
 mod profile;
 mod scene;
 
@@ -23,5 +24,6 @@ pub use digest::scene_digest;
 pub use file::LARGEST_FILE;
 pub use image::Image;
 pub use model::*;
+pub use paint::*;
 pub use profile::{ProfileFormat, ProfileOptions, Unit, parse_profile, read_profile};
 pub use scene::{parse_scene, read_scene};

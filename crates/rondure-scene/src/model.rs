@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use rondure::{Instance, Vec3, solid::Sweep};
 
-use crate::{Body, Copies, Cut, Image, Motion, Section};
+use crate::{Body, Copies, Cut, Image, Motion, Paint, Relief, Section};
 
 /// A linear colour or a radiance: red, green, blue.
 pub type Color = [f64; 3];
@@ -27,6 +27,8 @@ pub struct Scene {
     pub objects: Vec<Object>,
     /// The materials that the objects refer to.
     pub materials: Vec<Material>,
+    /// The relief of each material, if it has one; those of the last ones may be missing.
+    pub reliefs: Vec<Option<Relief>>,
     /// The planes that cut the scene open: what lies in front of all of them is taken away. Empty if it
     /// is not cut.
     pub section: Vec<Section>,
@@ -387,19 +389,4 @@ pub struct Principled {
     pub fuzz_roughness: f64,
     /// The radiance that the surface sends out evenly, on both sides.
     pub emission: Color,
-}
-
-/// A colour over a surface.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Paint {
-    /// The same everywhere.
-    Solid(Color),
-    /// Squares of two colours: over the plane coordinates of planes, disks and rectangles in scene
-    /// units from the object's centre; over (u, v) of turned objects and spheres.
-    Checker {
-        /// The two colours.
-        colors: [Color; 2],
-        /// The edge of a square: scene units, or fractions of u and v.
-        size: [f64; 2],
-    },
 }

@@ -168,6 +168,11 @@ impl Instances {
         &self.placements[instance as usize]
     }
 
+    /// The rows of the linear map from the world to an instance's own frame.
+    pub fn inverse_rows(&self, instance: u32) -> [Vec3; 3] {
+        self.at(instance).1.inverse().copied().unwrap_or(Affine::IDENTITY.columns)
+    }
+
     /// The hit with the smallest t; see [`Surface::closest`].
     #[inline]
     pub fn closest(&self, instance: u32, ray: &Ray) -> Option<Hit> {

@@ -3,6 +3,7 @@
 mod light;
 mod material;
 mod object;
+mod paint;
 mod placement;
 mod section;
 mod shared;
@@ -89,8 +90,8 @@ fn decode<'a>(cx: &'a Context<'a>, document: &'a DeTable<'a>, folder: &Path) -> 
             cx.push(warning.help("add a [sky] or a [[light]]"));
         }
     }
-    let materials = materials.finish();
-    Some(Scene { film, camera: camera?, sky, lights, objects, materials, section })
+    let (materials, reliefs) = materials.finish();
+    Some(Scene { film, camera: camera?, sky, lights, objects, materials, reliefs, section })
 }
 
 /// A table of the scene that may be missing.
