@@ -99,7 +99,8 @@ impl<'a> Contents<'a> {
 
 impl fmt::Display for Contents<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Scene { film, camera, sky, lights, materials, objects, section } = self.scene;
+        let Scene { film, camera, sky, lights, materials, objects, section, reliefs: _ } =
+            self.scene;
         let projection = match camera.projection {
             Projection::Perspective { fov } => {
                 format!("perspective, field of view {:.3}°", fov.to_degrees())

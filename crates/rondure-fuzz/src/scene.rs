@@ -10,7 +10,8 @@ use crate::check_report;
 /// or at the other end of a pipe is nobody's promise.
 pub fn scene(data: &[u8]) {
     let Ok(text) = core::str::from_utf8(data) else { return };
-    if text.contains("file") && text.contains(['/', '\\']) {
+    let elsewhere = ["file", "image", "bump", "map"].iter().any(|key| text.contains(key));
+    if elsewhere && text.contains(['/', '\\']) {
         return;
     }
     match parse_scene("fuzz", text, Path::new("no-such-folder")) {

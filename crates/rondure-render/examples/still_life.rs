@@ -97,6 +97,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         lights,
         objects: objects.into(),
         materials,
+        reliefs: Vec::new(),
         section: Vec::new(),
     };
     let start = Instant::now();

@@ -16,15 +16,19 @@ use crate::{
 pub(crate) fn guide(world: &World, ray: &Ray) -> Guide {
     let Some(contact) = world.closest(ray) else { return Guide::default() };
     let surface = world.interaction(ray, &contact);
-    let albedo = match world.met(ray, &contact) {
-        Role::Lamp(_) => Rgb::WHITE,
-        Role::Surface { finish, .. } => match world.finish(finish) {
-            Finish::Matte { color } | Finish::Glossy { color, .. } => color.at(surface.uv),
-            Finish::Mirror { .. } | Finish::Glass { .. } => Rgb::WHITE,
-        },
+    let outgoing = -ray.direction;
+    let spot = world.spot(&contact, &surface, outgoing);
+    let (albedo, shading) = match world.met(ray, &contact) {
+        Role::Lamp(_) => (Rgb::WHITE, surface.normal),
+        Role::Surface { finish, .. } => {
+            let albedo = match world.finish(finish) {
+                Finish::Matte { color } | Finish::Glossy { color, .. } => color.at(&spot),
+                Finish::Mirror { .. } | Finish::Glass { .. } => Rgb::WHITE,
+            };
+            (albedo, world.shading_normal(finish, &contact, &surface, &spot, outgoing))
+        }
     };
-    let towards = surface.normal.dot(ray.direction) <= 0.0;
-    let normal = if towards { surface.normal } else { -surface.normal };
+    let normal = if spot.front { shading } else { -shading };
     Guide { albedo: [albedo.r, albedo.g, albedo.b], normal: [normal.x, normal.y, normal.z] }
 }
 

@@ -4,7 +4,7 @@
 use std::{collections::HashMap, sync::Arc};
 
 use rondure::{
-    Bounds, Surface,
+    Affine, Bounds, Surface,
     solid::{Csg, CsgError},
 };
 use rondure_scene::{Cut, Object, Section, Shape as Described};
@@ -27,6 +27,8 @@ pub(crate) struct Gathered {
     pub(crate) simple_roles: Vec<u32>,
     /// For each body the index of its object.
     pub(crate) body_objects: Vec<u32>,
+    /// For each body where it was placed; `None` for flat shapes.
+    pub(crate) body_placements: Vec<Option<Affine>>,
     pub(crate) bodies: bodies::Builder,
 }
 
@@ -54,6 +56,7 @@ impl Gathered {
         }
         for shape in object.shapes().flatten() {
             self.add_shape(&shape, object, role, knife.as_ref())?;
+            self.body_placements.resize(self.bodies.len(), placement(&shape));
         }
         self.body_objects.resize(self.bodies.len(), role);
         Ok(())
@@ -161,6 +164,18 @@ impl Gathered {
     pub(crate) fn add_simple(&mut self, shape: Shape, role: u32) {
         self.things.simple.push(shape);
         self.simple_roles.push(role);
+    }
+}
+
+/// The map from a shape's own frame to the world; `None` for flat shapes.
+fn placement(shape: &Described) -> Option<Affine> {
+    match shape {
+        Described::Turned(instance) | Described::Swept { instance, .. } => {
+            Some(*instance.placement())
+        }
+        Described::Body(body) => Some(body.placement),
+        Described::Sphere { center, .. } => Some(Affine::translate(*center)),
+        Described::Plane { .. } | Described::Disk { .. } | Described::Rectangle { .. } => None,
     }
 }
 

@@ -21,7 +21,6 @@ use crate::{
     fresnel,
     light::Incoming,
     sampler::{Key, SPLIT_BITS, Sample},
-    texture::Pattern,
     warp::{self, Frame},
     world::{Role, World},
 };
@@ -114,6 +113,8 @@ struct Place<'a> {
     surface: &'a Interaction,
     /// The normal on the viewer's side.
     normal: Vec3,
+    /// The normal that light sees, turned by a relief.
+    shading: Vec3,
     /// The unit direction to the viewer.
     outgoing: Vec3,
     path: &'a Path,
@@ -179,16 +180,22 @@ impl Tracer<'_> {
         let outgoing = -ray.direction;
         let entering = surface.normal.dot(outgoing) >= 0.0;
         let normal = if entering { surface.normal } else { -surface.normal };
-        let place = Place { surface: &surface, normal, outgoing, path: &path };
+        let spot = world.spot(&contact, &surface, outgoing);
+        let shading = world.shading_normal(finish, &contact, &surface, &spot, outgoing);
+        let shading = if entering { shading } else { -shading };
+        let place = Place { surface: &surface, normal, shading, outgoing, path: &path };
         let light = match world.finish(finish) {
-            Finish::Matte { color } => self.matte(&place, color.at(surface.uv)),
+            Finish::Matte { color } => self.matte(&place, color.at(&spot)),
             Finish::Glossy { color, coat } => {
-                let base = color.at(surface.uv);
-                let frame = Frame::new(normal);
+                let base = color.at(&spot);
+                let frame = Frame::new(shading);
                 let mut local = frame.to_local(outgoing);
                 local.z = local.z.max(f64::MIN_POSITIVE);
                 let mut sum = self.direct(&place, |incoming| {
                     let wi = frame.to_local(incoming.direction);
+                    if !(wi.z > 0.0) {
+                        return (Rgb::BLACK, Rgb::BLACK);
+                    }
                     let lambert = coat.base(local.z, wi.z) * wi.z * core::f64::consts::FRAC_1_PI;
                     let (bright, shared) = if incoming.pdf == f64::INFINITY {
                         (coat.highlight(local, wi), 0.0)
@@ -211,7 +218,7 @@ impl Tracer<'_> {
                 }
                 sum
             }
-            Finish::Mirror { color } => self.mirror(&place, color, surface.uv),
+            Finish::Mirror { color } => self.mirror(&place, color.at(&spot)),
             Finish::Glass { .. } if solid => {
                 let medium = Medium { thing: contact.thing, finish };
                 self.glass(&place, medium, entering)
@@ -227,17 +234,16 @@ impl Tracer<'_> {
 
     fn matte(&mut self, place: &Place<'_>, color: Rgb) -> Rgb {
         let lit = self.direct(place, |incoming| {
-            let cos = incoming.direction.dot(place.normal);
+            let cos = incoming.direction.dot(place.shading).max(0.0);
             (color * (cos * core::f64::consts::FRAC_1_PI), Rgb::BLACK)
         });
         lit + self.sky_light(place, |_| color)
     }
 
-    fn mirror(&mut self, place: &Place<'_>, color: &Pattern, uv: [f64; 2]) -> Rgb {
-        let color = color.at(uv);
+    fn mirror(&mut self, place: &Place<'_>, color: Rgb) -> Rgb {
         let schlick = |cos: f64| color.mix(Rgb::WHITE, (1.0 - cos).clamp(0.0, 1.0).powi(5));
-        let weight = schlick(place.normal.dot(place.outgoing));
-        let direction = fresnel::reflect(-place.outgoing, place.normal);
+        let weight = schlick(place.shading.dot(place.outgoing));
+        let direction = fresnel::reflect(-place.outgoing, place.shading);
         let next = place.path.next(REFLECTED, f64::INFINITY);
         let reflected = self.follow(place, direction, place.normal, weight, next);
         reflected + self.highlight(place, schlick)
@@ -344,7 +350,7 @@ impl Tracer<'_> {
         if self.world.lamps.is_empty() {
             return Rgb::BLACK;
         }
-        let frame = Frame::new(place.normal);
+        let frame = Frame::new(place.shading);
         let mut wo = frame.to_local(place.outgoing);
         wo.z = wo.z.max(f64::MIN_POSITIVE);
         self.direct(place, |incoming| {
@@ -425,13 +431,31 @@ impl Tracer<'_> {
             return Rgb::BLACK;
         }
         let key = place.path.key.child(SKY);
-        let frame = Frame::new(place.normal);
+        let frame = Frame::new(place.shading);
         self.split(place.path, |tracer, sample| {
-            let local = warp::cosine_hemisphere(sample.pair(key));
-            let direction = frame.to_world(local);
-            let light = tracer.world.sky.radiance(direction) * reflectance(local.z);
+            let sky = &tracer.world.sky;
+            let mut u = sample.pair(key);
+            // Of a picture half of the directions are chosen by its light; the density is that of both
+            // ways together (Veach and Guibas 1995).
+            let by_light = sky.is_picture() && u.1 < 0.5;
+            if sky.is_picture() {
+                u.1 = (2.0 * u.1).fract();
+            }
+            let direction = match by_light {
+                true => sky.sample(u).map(|found| found.direction),
+                false => Some(frame.to_world(warp::cosine_hemisphere(u))),
+            };
+            let Some(direction) = direction else { return Rgb::BLACK };
+            let cos = direction.dot(place.shading);
             // At the very horizon rounding decides on which side the direction lies.
-            if light.is_black() || !(direction.dot(place.normal) > 0.0) {
+            if !(cos > 0.0 && direction.dot(place.normal) > 0.0) {
+                return Rgb::BLACK;
+            }
+            let even = cos * core::f64::consts::FRAC_1_PI;
+            let weight =
+                if sky.is_picture() { 2.0 * even / (even + sky.pdf(direction)) } else { 1.0 };
+            let light = sky.radiance(direction) * reflectance(cos) * weight;
+            if light.is_black() {
                 return Rgb::BLACK;
             }
             tracer.statistics.shadow_rays += 1;

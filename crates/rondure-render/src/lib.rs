@@ -18,6 +18,7 @@ mod bsdf;
 mod camera;
 mod coat;
 mod color;
+mod environment;
 mod features;
 mod filter;
 mod finish;

@@ -1,12 +1,14 @@
 //! The lights and the sky: where light comes from, as seen from a point.
 
 use core::f64::consts::{PI, TAU};
+use std::sync::Arc;
 
 use rondure::{Ray, Vec3, numeric::gamma};
 use rondure_scene::{Light, Sky};
 
 use crate::{
     color::Rgb,
+    environment::Environment,
     warp::{self, Frame},
 };
 
@@ -295,22 +297,28 @@ fn before(distance: f64, target: Vec3, at: Vec3) -> f64 {
     distance - gamma(32) * (target.max_abs() + at.max_abs() + distance)
 }
 
-/// The radiance of the sky.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Heaven {
-    zenith: Rgb,
-    horizon: Rgb,
-    ground: Rgb,
+/// The light of the sky.
+#[derive(Clone, Debug)]
+pub(crate) enum Heaven {
+    Gradient(Gradient),
+    Picture(Box<Environment>),
 }
 
 impl Heaven {
     pub(crate) fn new(sky: &Sky) -> Self {
         match *sky {
             Sky::Constant { color } => {
-                Self { zenith: color.into(), horizon: color.into(), ground: color.into() }
+                let color = color.into();
+                Self::Gradient(Gradient { zenith: color, horizon: color, ground: color })
             }
-            Sky::Gradient { zenith, horizon, ground } => {
-                Self { zenith: zenith.into(), horizon: horizon.into(), ground: ground.into() }
+            Sky::Gradient { zenith, horizon, ground } => Self::Gradient(Gradient {
+                zenith: zenith.into(),
+                horizon: horizon.into(),
+                ground: ground.into(),
+            }),
+            Sky::Image { ref image, intensity, rotation } => {
+                let environment = Environment::new(Arc::clone(image), intensity, rotation);
+                Self::Picture(Box::new(environment))
             }
         }
     }
@@ -318,12 +326,63 @@ impl Heaven {
     /// The radiance from a unit direction.
     #[inline]
     pub(crate) fn radiance(&self, direction: Vec3) -> Rgb {
+        match self {
+            Self::Gradient(gradient) => gradient.radiance(direction),
+            Self::Picture(environment) => environment.radiance(direction),
+        }
+    }
+
+    /// Light from a direction chosen by its luminance; the radiance over the density. `None` if none comes
+    /// from there.
+    pub(crate) fn sample(&self, u: (f64, f64)) -> Option<Incoming> {
+        match self {
+            Self::Gradient(gradient) => gradient.sample(u),
+            Self::Picture(environment) => environment.sample(u),
+        }
+    }
+
+    /// The density by solid angle with which [`sample`](Self::sample) finds a direction.
+    pub(crate) fn pdf(&self, direction: Vec3) -> f64 {
+        match self {
+            Self::Gradient(gradient) => gradient.pdf(direction),
+            Self::Picture(environment) => environment.pdf(direction),
+        }
+    }
+
+    /// The radiances between which all others lie.
+    pub(crate) fn extremes(&self) -> [Rgb; 3] {
+        match self {
+            Self::Gradient(Gradient { zenith, horizon, ground }) => [*zenith, *horizon, *ground],
+            Self::Picture(environment) => [environment.brightest(); 3],
+        }
+    }
+
+    pub(crate) fn is_black(&self) -> bool {
+        self.extremes().iter().all(|light| light.is_black())
+    }
+
+    /// Whether the light may come from some directions very much more than from others.
+    pub(crate) fn is_picture(&self) -> bool {
+        matches!(self, Self::Picture(_))
+    }
+}
+
+/// A sky whose radiance goes over from the horizon to the zenith, and to the ground.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Gradient {
+    zenith: Rgb,
+    horizon: Rgb,
+    ground: Rgb,
+}
+
+impl Gradient {
+    #[inline]
+    fn radiance(&self, direction: Vec3) -> Rgb {
         let end = if direction.z >= 0.0 { self.zenith } else { self.ground };
         self.horizon.mix(end, direction.z.abs().min(1.0))
     }
 
-    /// Light from a direction chosen by its luminance; the radiance over the density.
-    pub(crate) fn sample(&self, u: (f64, f64)) -> Option<Incoming> {
+    fn sample(&self, u: (f64, f64)) -> Option<Incoming> {
         let [up, down] =
             [self.zenith, self.ground].map(|end| self.horizon.mix(end, 0.5).luminance());
         let sum = up + down;
@@ -353,21 +412,11 @@ impl Heaven {
         })
     }
 
-    /// The density by solid angle with which [`sample`](Self::sample) finds a direction.
-    pub(crate) fn pdf(&self, direction: Vec3) -> f64 {
+    fn pdf(&self, direction: Vec3) -> f64 {
         let [up, down] =
             [self.zenith, self.ground].map(|end| self.horizon.mix(end, 0.5).luminance());
         let sum = up + down;
         if sum > 0.0 { self.radiance(direction).luminance() / (TAU * sum) } else { 0.0 }
-    }
-
-    /// The radiances between which all others lie.
-    pub(crate) fn extremes(&self) -> [Rgb; 3] {
-        [self.zenith, self.horizon, self.ground]
-    }
-
-    pub(crate) fn is_black(&self) -> bool {
-        self.zenith.is_black() && self.horizon.is_black() && self.ground.is_black()
     }
 }
 

@@ -1,9 +1,9 @@
 //! All things that rays meet, by number: the turned ones first, then the simple shapes, in the order
 //! in which they came.
 
-use rondure::{Bounds, Hit, Instances, Interaction, Ray, Vec3};
+use rondure::{Affine, Bounds, Hit, Instances, Interaction, Ray, Vec3};
 
-use crate::shape::Shape;
+use crate::{shape::Shape, texture::Own};
 
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Things {
@@ -84,6 +84,18 @@ impl Things {
         match self.at(thing) {
             Thing::Turned(i) => self.turned.interaction(i, ray, hit),
             Thing::Simple(shape) => shape.interaction(ray, hit),
+        }
+    }
+
+    /// The thing's own frame, at a place of it.
+    #[inline]
+    pub(crate) fn own(&self, thing: u32, at: &Interaction) -> Own {
+        match self.at(thing) {
+            Thing::Turned(i) => Own::new(*self.turned.placement(i), self.turned.inverse_rows(i)),
+            Thing::Simple(Shape::Sphere(sphere)) => {
+                Own::new(Affine::translate(sphere.center()), Affine::IDENTITY.columns)
+            }
+            Thing::Simple(_) => Own::flat(at),
         }
     }
 }

@@ -16,6 +16,7 @@ use crate::{
     light::{Heaven, Lamp},
     optics::Optics,
     shape::{Disk, Shape, Sphere},
+    texture::{Own, Relief, Spot},
     things::Things,
 };
 
@@ -53,9 +54,16 @@ pub(crate) struct World {
     roles: Vec<Role>,
     /// For each body the index of its object in the scene.
     body_objects: Vec<u32>,
+    /// The own frame of each body; `None` for flat ones.
+    body_frames: Vec<Option<Own>>,
+    /// For each role the first thing, and for each object the first body.
+    first_things: Vec<u32>,
+    first_bodies: Vec<u32>,
     finishes: Vec<Finish>,
     /// The same materials for the path tracer.
     optics: Vec<Optics>,
+    /// The reliefs of finishes that have one.
+    reliefs: Vec<Option<Relief>>,
     pub(crate) lamps: Vec<Lamp>,
     pub(crate) sky: Heaven,
     /// The radiance that comes out white in the picture.
@@ -98,9 +106,16 @@ impl World {
             builder.add_simple(shape, role);
         }
         let Gathered {
-            things, turned_roles: mut role_of, simple_roles, body_objects, bodies, ..
+            things,
+            turned_roles: mut role_of,
+            simple_roles,
+            body_objects,
+            body_placements,
+            bodies,
+            ..
         } = builder;
         role_of.extend(simple_roles);
+        let body_frames = body_placements.iter().map(|p| p.as_ref().map(Own::of)).collect();
         let finishes: Vec<_> = scene.materials.iter().map(Finish::new).collect();
         let optics: Vec<_> = scene.materials.iter().map(Optics::new).collect();
         let bodies = bodies.build(&finishes)?;
@@ -136,9 +151,13 @@ impl World {
         let white = 1.0 / scene.film.exposure;
         Ok(Self {
             things,
-            role_of,
             roles,
+            first_things: firsts(&role_of, scene.objects.len() + scene.lights.len()),
+            first_bodies: firsts(&body_objects, scene.objects.len()),
+            role_of,
             body_objects,
+            body_frames,
+            reliefs: scene.reliefs.iter().map(|r| r.as_ref().map(Relief::new)).collect(),
             finishes,
             optics,
             lamps,
@@ -175,6 +194,47 @@ impl World {
         match contact.on {
             On::Body(_) => self.body_objects[self.body(contact) as usize],
             On::Thing(_) => self.role_of[contact.thing as usize],
+        }
+    }
+
+    /// The own frame of what a contact is on.
+    fn own(&self, contact: &Contact, at: &Interaction) -> Own {
+        match contact.on {
+            On::Body(_) => {
+                self.body_frames[self.body(contact) as usize].unwrap_or_else(|| Own::flat(at))
+            }
+            On::Thing(_) => self.things.own(contact.thing, at),
+        }
+    }
+
+    /// The spot that patterns are looked up at, seen from the direction `outgoing`.
+    pub(crate) fn spot(&self, contact: &Contact, at: &Interaction, outgoing: Vec3) -> Spot {
+        let copy = match contact.on {
+            On::Body(_) => {
+                let body = self.body(contact);
+                body - self.first_bodies[self.body_objects[body as usize] as usize]
+            }
+            On::Thing(_) => {
+                let role = self.role_of[contact.thing as usize];
+                contact.thing - self.first_things[role as usize]
+            }
+        };
+        self.own(contact, at).spot(at, outgoing, copy)
+    }
+
+    /// The normal that light sees there: that of the surface, turned by the relief of its finish. It is on the
+    /// same side.
+    pub(crate) fn shading_normal(
+        &self,
+        finish: u32,
+        contact: &Contact,
+        at: &Interaction,
+        spot: &Spot,
+        outgoing: Vec3,
+    ) -> Vec3 {
+        match self.reliefs.get(finish as usize) {
+            Some(Some(relief)) => self.own(contact, at).shading_normal(relief, spot, at, outgoing),
+            _ => at.normal,
         }
     }
 
@@ -385,6 +445,15 @@ impl World {
         }
         depth.map(|v| (-v.max(0.0)).exp()) * passed
     }
+}
+
+/// For each of `count` values the index of the first one that has it; 0 if none has.
+fn firsts(values: &[u32], count: usize) -> Vec<u32> {
+    let mut first = vec![0; count];
+    for (i, &value) in values.iter().enumerate().rev() {
+        first[value as usize] = i as u32;
+    }
+    first
 }
 
 #[cfg(test)]

@@ -14,7 +14,11 @@ pub(crate) fn from_text(text: &str) -> Option<Color> {
 
 /// The transfer curve of sRGB (IEC 61966-2-1), from a byte to linear light.
 fn linear(byte: u8) -> f64 {
-    let x = f64::from(byte) / 255.0;
+    decoded(f64::from(byte) / 255.0)
+}
+
+/// The same from a signal between 0 and 1.
+pub(crate) fn decoded(x: f64) -> f64 {
     if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
 }
 

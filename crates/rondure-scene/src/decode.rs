@@ -4,17 +4,19 @@
 //! gives `None` and, if need be, a diagnostic; decoding goes on. What was never asked for is
 //! unknown: [`Table::finish`] reports it, with the nearest key that was.
 
-use std::{cell::RefCell, ops::Range};
+use std::{cell::RefCell, ops::Range, path::Path};
 
 use rondure::Vec3;
 use toml::{Spanned, de::DeTable, de::DeValue};
 
-use crate::{Color, Diagnostic, Report, color};
+use crate::{Color, Diagnostic, Report, color, image::Images};
 
 /// The text that is decoded and what has been found wrong with it.
 pub(crate) struct Context<'t> {
     pub(crate) text: &'t str,
     report: RefCell<Report>,
+    /// The pictures that the text refers to.
+    pub(crate) images: Images,
 }
 
 /// The largest number of a scene: fourth powers of it, as in the area of a rectangle squared, and
@@ -66,8 +68,9 @@ pub(crate) struct Table<'a> {
 }
 
 impl<'t> Context<'t> {
-    pub(crate) fn new(text: &'t str, report: Report) -> Self {
-        Self { text, report: RefCell::new(report) }
+    /// Pictures are looked for in `folder`.
+    pub(crate) fn new(text: &'t str, report: Report, folder: &Path) -> Self {
+        Self { text, report: RefCell::new(report), images: Images::new(folder) }
     }
 
     pub(crate) fn push(&self, diagnostic: Diagnostic) {

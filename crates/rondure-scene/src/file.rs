@@ -8,13 +8,13 @@ use std::{
 
 use crate::{Diagnostic, Report};
 
-/// The size of the largest file that is read, in bytes: 64 MiB. A scene or a profile beyond that is
+/// The size of the largest text file that is read, in bytes: 64 MiB. A scene or a profile beyond that is
 /// a mistake in the name.
 pub const LARGEST_FILE: u64 = 64 << 20;
 
-pub(crate) fn read_text(path: &Path) -> Result<String, Report> {
+/// The bytes of a file, if there are no more than `largest`.
+pub(crate) fn read_bytes(path: &Path, largest: u64) -> Result<Vec<u8>, Report> {
     let name = path.display();
-    let fail = |message: String| Report::only(Diagnostic::error(message));
     let unreadable = |e: io::Error| {
         let help = match e.kind() {
             io::ErrorKind::NotFound => "check the name and the folder",
@@ -29,11 +29,18 @@ pub(crate) fn read_text(path: &Path) -> Result<String, Report> {
         return Err(Report::only(error.help("give the name of a file in it")));
     }
     let mut bytes = Vec::new();
-    file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(unreadable)?;
-    if bytes.len() as u64 > LARGEST_FILE {
-        let limit = LARGEST_FILE >> 20;
-        return Err(fail(format!("cannot read `{name}`: it is larger than {limit} MiB")));
+    file.take(largest + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+    if bytes.len() as u64 > largest {
+        let limit = largest >> 20;
+        let message = format!("cannot read `{name}`: it is larger than {limit} MiB");
+        return Err(Report::only(Diagnostic::error(message)));
     }
+    Ok(bytes)
+}
+
+pub(crate) fn read_text(path: &Path) -> Result<String, Report> {
+    let name = path.display();
+    let bytes = read_bytes(path, LARGEST_FILE)?;
     let mut text = String::from_utf8(bytes).map_err(|e| {
         let good = e.utf8_error().valid_up_to();
         let bytes = e.as_bytes();

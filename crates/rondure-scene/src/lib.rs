@@ -11,7 +11,9 @@ mod diagnostic;
 mod digest;
 mod engine;
 mod file;
+mod image;
 mod model;
+mod paint;
 mod profile;
 mod scene;
 
@@ -20,6 +22,8 @@ pub use copies::{Area, Copies, Motion, Pattern, Series, Variation};
 pub use diagnostic::{Diagnostic, Label, Report, Severity, Source};
 pub use digest::scene_digest;
 pub use file::LARGEST_FILE;
+pub use image::Image;
 pub use model::*;
+pub use paint::*;
 pub use profile::{ProfileFormat, ProfileOptions, Unit, parse_profile, read_profile};
 pub use scene::{parse_scene, read_scene};

@@ -3,9 +3,11 @@
 //! This tree is the border between reading and rendering. Lengths are in scene units, angles in
 //! radians, colours linear Rec. 709 (sRGB primaries, no transfer curve).
 
+use std::sync::Arc;
+
 use rondure::{Instance, Vec3, solid::Sweep};
 
-use crate::{Body, Copies, Cut, Motion, Section};
+use crate::{Body, Copies, Cut, Image, Motion, Paint, Relief, Section};
 
 /// A linear colour or a radiance: red, green, blue.
 pub type Color = [f64; 3];
@@ -25,6 +27,8 @@ pub struct Scene {
     pub objects: Vec<Object>,
     /// The materials that the objects refer to.
     pub materials: Vec<Material>,
+    /// The relief of each material, if it has one; those of the last ones may be missing.
+    pub reliefs: Vec<Option<Relief>>,
     /// The planes that cut the scene open: what lies in front of all of them is taken away. Empty if it
     /// is not cut.
     pub section: Vec<Section>,
@@ -114,6 +118,17 @@ pub enum Sky {
         horizon: Color,
         /// The radiance straight down.
         ground: Color,
+    },
+    /// A picture of all directions, twice as wide as high: the angle from straight up grows evenly
+    /// with the rows from the top down, the angle round the z axis with the columns. Its middle lies at
+    /// +y, and from there its right half extends over +x to -y.
+    Image {
+        /// The radiance.
+        image: Arc<Image>,
+        /// The factor on it.
+        intensity: f64,
+        /// The angle by which the picture is turned, counterclockwise seen from above.
+        rotation: f64,
     },
 }
 
@@ -374,19 +389,4 @@ pub struct Principled {
     pub fuzz_roughness: f64,
     /// The radiance that the surface sends out evenly, on both sides.
     pub emission: Color,
-}
-
-/// A colour over a surface.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Paint {
-    /// The same everywhere.
-    Solid(Color),
-    /// Squares of two colours: over the plane coordinates of planes, disks and rectangles in scene
-    /// units from the object's centre; over (u, v) of turned objects and spheres.
-    Checker {
-        /// The two colours.
-        colors: [Color; 2],
-        /// The edge of a square: scene units, or fractions of u and v.
-        size: [f64; 2],
-    },
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::frame::Frame;
 use crate::interaction::{Interaction, interaction, normal};
-use crate::{Affine, Bounds, Hit, Ray, Surface, Vec3};
+use crate::{Affine, AreaSampler, Bounds, Hit, Ray, Surface, SurfaceSample, Vec3};
 
 /// A surface placed in the world by an affine map: moved, turned, scaled, mirrored or sheared.
 #[derive(Clone, Debug)]
@@ -58,6 +58,20 @@ impl Instance {
     /// The normal at a hit, in the world: that of [`interaction`](Self::interaction), alone.
     pub fn normal(&self, ray: &Ray, hit: &Hit) -> Vec3 {
         normal(&self.surface, &self.frame, ray, hit)
+    }
+
+    /// A point chosen evenly by the area of the surface in its own frame; see [`Surface::sample`]. Its
+    /// density is by area in the world, and varies if the placement stretches some directions more than
+    /// others: 1 / density is what each point stands for in an estimate.
+    pub fn sample(&self, sampler: &AreaSampler, u: [f64; 2]) -> SurfaceSample {
+        let inverse = self.frame.inverse();
+        sampler.placed(&self.surface, &self.placement, inverse, self.rounding, u)
+    }
+
+    /// The density, by area in the world, with which [`sample`](Self::sample) chooses a place whose unit
+    /// normal is `normal`, on whichever side.
+    pub fn area_pdf(&self, sampler: &AreaSampler, normal: Vec3) -> f64 {
+        sampler.placed_pdf(&self.placement, normal)
     }
 
     /// The box round the placed surface, in the world.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::frame::Frame;
 use crate::interaction::{Interaction, interaction, normal};
-use crate::{Affine, Bounds, Hit, Ray, Surface, Vec3};
+use crate::{Affine, AreaSampler, Bounds, Hit, Ray, Surface, SurfaceSample, Vec3};
 
 /// Surfaces in many places, numbered in the order in which they were placed.
 ///
@@ -168,6 +168,11 @@ impl Instances {
         &self.placements[instance as usize]
     }
 
+    /// The rows of the linear map from the world to an instance's own frame.
+    pub fn inverse_rows(&self, instance: u32) -> [Vec3; 3] {
+        self.at(instance).1.inverse().copied().unwrap_or(Affine::IDENTITY.columns)
+    }
+
     /// The hit with the smallest t; see [`Surface::closest`].
     #[inline]
     pub fn closest(&self, instance: u32, ray: &Ray) -> Option<Hit> {
@@ -199,6 +204,19 @@ impl Instances {
     pub fn normal(&self, instance: u32, ray: &Ray, hit: &Hit) -> Vec3 {
         let (surface, frame) = self.at(instance);
         normal(surface, frame, ray, hit)
+    }
+
+    /// A point of an instance chosen by area; see [`Instance::sample`](crate::Instance::sample).
+    pub fn sample(&self, instance: u32, sampler: &AreaSampler, u: [f64; 2]) -> SurfaceSample {
+        let (surface, frame) = self.at(instance);
+        let (placement, rounding) = (self.placement(instance), self.rounding(instance));
+        sampler.placed(surface, placement, frame.inverse(), rounding, u)
+    }
+
+    /// The density of [`sample`](Self::sample) at a place whose unit normal is `normal`; see
+    /// [`Instance::area_pdf`](crate::Instance::area_pdf).
+    pub fn area_pdf(&self, instance: u32, sampler: &AreaSampler, normal: Vec3) -> f64 {
+        sampler.placed_pdf(self.placement(instance), normal)
     }
 
     /// The box round an instance, in the world.

@@ -66,6 +66,12 @@ impl Place {
             let rho = x.hypot(y);
             if rho > 0.0 { [x / rho, y / rho] } else { [1.0, 0.0] }
         });
+        Self::new((profile, tangent), angle)
+    }
+
+    /// From the point of the profile, the derivative there by any parameter, and the angle's cosine and
+    /// sine.
+    fn new((profile, tangent): (Point, Point), angle: [f64; 2]) -> Self {
         let speed = tangent.length();
         Self { profile, tangent: Point::new(tangent.r / speed, tangent.z / speed), angle }
     }
@@ -73,12 +79,38 @@ impl Place {
     /// The unit normal in the world, on the side that `sense` tells (see [`Detail`]).
     ///
     /// [`Detail`]: crate::surface::Detail
-    fn normal(&self, frame: &Frame, sense: f64) -> Vec3 {
+    fn normal(&self, inverse: Option<&[Vec3; 3]>, sense: f64) -> Vec3 {
         let ([cos, sin], Point { r: dr, z: dz }) = (self.angle, self.tangent);
         let own = Vec3::new(dz * cos, dz * sin, -dr) * sense;
-        match frame.inverse() {
+        match inverse {
             Some(rows) => (rows[0] * own.x + rows[1] * own.y + rows[2] * own.z).normalized(),
             None => own,
+        }
+    }
+
+    fn interaction(
+        &self,
+        surface: &Surface,
+        inverse: Option<&[Vec3; 3]>,
+        placement: &Affine,
+        rounding: f64,
+        hit: &Hit,
+    ) -> Interaction {
+        let (curve, detail, s) = surface.curve_at(hit);
+        let normal = self.normal(inverse, detail.sense);
+        let ([cos, sin], Point { r: dr, z: dz }) = (self.angle, self.tangent);
+        let (r, z) = (self.profile.r, self.profile.z + surface.center_z);
+        let turn = sin.atan2(cos) / TAU;
+        let u = if turn < 0.0 { turn + 1.0 } else { turn };
+        let along = detail.length_before + detail.length.until(curve, s);
+        Interaction {
+            point: placement.point(Vec3::new(r * cos, r * sin, z)),
+            normal,
+            // A tiny negative angle rounds to a full turn, which is none.
+            uv: [if u < 1.0 { u } else { 0.0 }, (along / surface.length).clamp(0.0, 1.0)],
+            dp_du: placement.vector(Vec3::new(-r * sin, r * cos, 0.0) * TAU),
+            dp_dv: placement.vector(Vec3::new(dr * cos, dr * sin, dz) * surface.length),
+            error: rounding,
         }
     }
 }
@@ -86,7 +118,7 @@ impl Place {
 /// The normal alone at a hit of a surface that stands in `frame`.
 pub(crate) fn normal(surface: &Surface, frame: &Frame, ray: &Ray, hit: &Hit) -> Vec3 {
     let sense = surface.curve_at(hit).1.sense;
-    Place::of(surface, frame, ray, hit).normal(frame, sense)
+    Place::of(surface, frame, ray, hit).normal(frame.inverse(), sense)
 }
 
 /// The interaction at a hit of a surface that stands in `frame`, where `placement` put it.
@@ -99,20 +131,21 @@ pub(crate) fn interaction(
     hit: &Hit,
 ) -> Interaction {
     let place = Place::of(surface, frame, ray, hit);
-    let (curve, detail, s) = surface.curve_at(hit);
-    let normal = place.normal(frame, detail.sense);
-    let ([cos, sin], Point { r: dr, z: dz }) = (place.angle, place.tangent);
-    let (r, z) = (place.profile.r, place.profile.z + surface.center_z);
-    let turn = sin.atan2(cos) / TAU;
-    let u = if turn < 0.0 { turn + 1.0 } else { turn };
-    let along = detail.length_before + detail.length.until(curve, s);
-    Interaction {
-        point: placement.point(Vec3::new(r * cos, r * sin, z)),
-        normal,
-        // A tiny negative angle rounds to a full turn, which is none.
-        uv: [if u < 1.0 { u } else { 0.0 }, (along / surface.length).clamp(0.0, 1.0)],
-        dp_du: placement.vector(Vec3::new(-r * sin, r * cos, 0.0) * TAU),
-        dp_dv: placement.vector(Vec3::new(dr * cos, dr * sin, dz) * surface.length),
-        error: rounding,
-    }
+    place.interaction(surface, frame.inverse(), placement, rounding, hit)
+}
+
+/// The interaction at a place of the profile and at `turn`, the angle round the axis over 2 pi;
+/// `inverse` has the rows of the placement's inverse, `None` for the identity.
+pub(crate) fn interaction_at(
+    surface: &Surface,
+    inverse: Option<&[Vec3; 3]>,
+    placement: &Affine,
+    rounding: f64,
+    turn: f64,
+    (piece, s): (u32, f64),
+) -> Interaction {
+    let hit = Hit { t: 0.0, piece, s };
+    let (sin, cos) = (turn * TAU).sin_cos();
+    let place = Place::new(surface.profile_at(&hit), [cos, sin]);
+    place.interaction(surface, inverse, placement, rounding, &hit)
 }

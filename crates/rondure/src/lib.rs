@@ -3,7 +3,7 @@
 //! A [`Profile`] is swept round the z axis; the [`Surface`] built from it answers rays in f64:
 //! closest hit, any hit, all hits, and on demand the point, the normal, the parameters and the
 //! partial derivatives there. An [`Instance`] places a shared surface in the world; an [`Assembly`]
-//! holds up to millions of them. A [`Solid`] is what a closed profile bounds: stretches of rays, inside
+//! holds up to millions of them. An [`AreaSampler`] chooses points evenly by area. A [`Solid`] is what a closed profile bounds: stretches of rays, inside
 //! tests, signed distances.
 //!
 //! ```
@@ -22,6 +22,7 @@
 
 mod affine;
 mod arc_length;
+mod area;
 mod assembly;
 mod batch;
 mod bounds;
@@ -45,6 +46,7 @@ mod surface;
 mod vector;
 
 pub use affine::Affine;
+pub use area::{AreaSampler, SurfaceSample};
 pub use assembly::{Assembly, Contact};
 pub use batch::{Hits, RayColumns, Rays};
 pub use bounds::Bounds;

@@ -25,7 +25,7 @@ pub(crate) struct Draw {
 
 pub(crate) struct Vertex<'a> {
     pub(crate) surface: Interaction,
-    /// Its z axis is the normal on the side that the path comes from.
+    /// Its z axis is the shading normal on the side that the path comes from.
     frame: Frame,
     normal: Vec3,
     outgoing: Vec3,
@@ -77,6 +77,7 @@ impl<'a> Vertex<'a> {
         let entering = surface.normal.dot(outgoing) >= 0.0;
         let normal = if entering { surface.normal } else { -surface.normal };
         let mut beyond = *media;
+        let mut shading = normal;
         let model = match &optics.glass {
             Some(medium) if draw.model < optics.clarity => {
                 if solid {
@@ -91,9 +92,14 @@ impl<'a> Vertex<'a> {
                     Model::Sheet { ior: medium.ior(wavelength) }
                 }
             }
-            _ => Model::Opaque { layers: &optics.opaque, color: optics.color.at(surface.uv) },
+            _ => {
+                let spot = world.spot(contact, &surface, outgoing);
+                let outwards = world.shading_normal(finish, contact, &surface, &spot, outgoing);
+                shading = if entering { outwards } else { -outwards };
+                Model::Opaque { layers: &optics.opaque, color: optics.color.at(&spot) }
+            }
         };
-        Self { surface, frame: Frame::new(normal), normal, outgoing, model, beyond }
+        Self { surface, frame: Frame::new(shading), normal, outgoing, model, beyond }
     }
 
     /// The viewer's direction; rounding may have put it below the horizon.

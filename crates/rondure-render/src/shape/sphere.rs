@@ -19,6 +19,10 @@ impl Sphere {
         Self { center, radius }
     }
 
+    pub(crate) fn center(&self) -> Vec3 {
+        self.center
+    }
+
     pub(crate) fn bounds(&self) -> Bounds {
         padded(self.center, Vec3::splat(self.radius))
     }

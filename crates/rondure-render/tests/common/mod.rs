@@ -41,6 +41,7 @@ pub(crate) fn scene(
         lights: Vec::new(),
         objects: Vec::new(),
         materials: Vec::new(),
+        reliefs: Vec::new(),
         section: Vec::new(),
     }
 }

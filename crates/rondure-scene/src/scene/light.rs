@@ -1,10 +1,13 @@
 //! The sky and the lights.
 
+use std::sync::Arc;
+
 use rondure::Vec3;
 
 use crate::{
-    Color, Light, Sky,
-    decode::{Bounds, Table},
+    Color, Image, Light, Sky,
+    decode::{Bounds, Table, Value},
+    image::Content,
 };
 
 const WHITE: Color = [1.0; 3];
@@ -23,7 +26,19 @@ pub(super) fn sky(table: Option<Table<'_>>) -> Sky {
     let (constant, zenith) = (color("color"), color("zenith"));
     let (horizon, ground) = (color("horizon"), color("ground"));
     let gradient = zenith.is_some() || horizon.is_some() || ground.is_some();
-    let sky = if let (Some(_), true) = (constant, gradient) {
+    let sky = if let Some(value) = table.get("image") {
+        let image = picture(&value);
+        let rotation = table.number("rotate", Bounds::ANY).unwrap_or(0.0).to_radians();
+        for key in ["color", "zenith", "horizon", "ground"] {
+            if table.exclude("image", key).is_some() {
+                break;
+            }
+        }
+        match image {
+            Some(image) => Sky::Image { image, intensity, rotation },
+            None => Sky::Constant { color: WHITE },
+        }
+    } else if let (Some(_), true) = (constant, gradient) {
         for key in ["zenith", "horizon", "ground"] {
             if table.exclude("color", key).is_some() {
                 break;
@@ -46,11 +61,31 @@ pub(super) fn sky(table: Option<Table<'_>>) -> Sky {
     sky
 }
 
+/// A picture of all directions.
+fn picture(value: &Value<'_>) -> Option<Arc<Image>> {
+    let image = value.image(Content::Light)?;
+    let (width, height) = (image.width(), image.height());
+    if u64::from(width) != 2 * u64::from(height) {
+        return value.fail_with_help(
+            format!("the picture of a sky is twice as wide as high, not {width} x {height}"),
+            "it shows all directions: 360 degrees from left to right, 180 from top to bottom \
+             (equirectangular, or latitude-longitude)"
+                .into(),
+        );
+    }
+    Some(image)
+}
+
 /// Whether neither the sky nor any light gives light.
 pub(super) fn is_dark(sky: &Sky, lights: &[Light]) -> bool {
     let sky_is_black = match *sky {
         Sky::Constant { color } => color == BLACK,
         Sky::Gradient { zenith, horizon, ground } => [zenith, horizon, ground] == [BLACK; 3],
+        Sky::Image { ref image, intensity, .. } => {
+            let channels = image.channels() as usize;
+            let dark = |pixel: &[f32]| pixel.iter().take(3).all(|x| *x == 0.0);
+            intensity == 0.0 || image.samples().chunks_exact(channels).all(dark)
+        }
     };
     let is_black = |light: &Light| match *light {
         Light::Point { intensity: color, .. }

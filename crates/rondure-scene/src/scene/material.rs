@@ -2,8 +2,9 @@
 
 use std::ops::Range;
 
+use super::paint::{paint, paint_of, relief};
 use crate::{
-    Color, Diagnostic, Glass, Material, Paint, Principled,
+    Color, Diagnostic, Glass, Material, Paint, Principled, Relief,
     decode::{Bounds, Context, Table, Value, suggest},
 };
 
@@ -14,7 +15,7 @@ const DEFAULT: Material = Material::Matte { color: Paint::Solid([0.8; 3]) };
 pub(super) struct Materials {
     /// In the order of the text; `None` if it had errors.
     named: Vec<Named>,
-    all: Vec<Material>,
+    all: Vec<(Material, Option<Relief>)>,
     default: Option<usize>,
 }
 
@@ -35,7 +36,7 @@ impl Materials {
         materials
     }
 
-    fn add(&mut self, material: Material) -> usize {
+    fn add(&mut self, material: (Material, Option<Relief>)) -> usize {
         self.all.push(material);
         self.all.len() - 1
     }
@@ -46,7 +47,7 @@ impl Materials {
             let next = self.all.len();
             let default = *self.default.get_or_insert(next);
             if default == next {
-                self.all.push(DEFAULT);
+                self.all.push((DEFAULT, None));
             }
             return Some(default);
         };
@@ -71,7 +72,7 @@ impl Materials {
     }
 
     pub(super) fn get(&self, index: usize) -> Option<&Material> {
-        self.all.get(index)
+        self.all.get(index).map(|(material, _)| material)
     }
 
     pub(super) fn warn_unused(&self, cx: &Context<'_>) {
@@ -81,8 +82,9 @@ impl Materials {
         }
     }
 
-    pub(super) fn finish(self) -> Vec<Material> {
-        self.all
+    /// The materials, and the relief of each.
+    pub(super) fn finish(self) -> (Vec<Material>, Vec<Option<Relief>>) {
+        self.all.into_iter().unzip()
     }
 }
 
@@ -124,7 +126,7 @@ const METALS: [(&str, Measured); 6] = [
     ("brass", ([0.444, 0.527, 1.094], [3.695, 2.765, 1.829])),
 ];
 
-fn material(value: &Value<'_>) -> Option<Material> {
+fn material(value: &Value<'_>) -> Option<(Material, Option<Relief>)> {
     let mut table = value.table("a material")?;
     let kind = match table.get("type") {
         Some(v) => {
@@ -151,8 +153,9 @@ fn material(value: &Value<'_>) -> Option<Material> {
         Kind::Metal => metal(&table),
         Kind::Principled => principled(&table).map(|p| Material::Principled(Box::new(p))),
     };
+    let relief = relief(&table);
     table.finish();
-    material
+    Some((material?, relief?))
 }
 
 /// A number that may be missing; `None` if it is wrong.
@@ -275,47 +278,3 @@ fn principled(table: &Table<'_>) -> Option<Principled> {
 
 /// The roughness of fuzz, which as a smooth lobe would be infinitely narrow.
 const FUZZ: Bounds = Bounds::new(|x| (0.1..=1.0).contains(&x), "from 0.1 to 1");
-
-/// One colour, or a checker of two.
-fn paint(table: &Table<'_>, default: Color) -> Option<Paint> {
-    paint_of(table, "color", "checker", default)
-}
-
-/// The same, under other keys.
-fn paint_of(
-    table: &Table<'_>,
-    color_key: &'static str,
-    checker_key: &'static str,
-    default: Color,
-) -> Option<Paint> {
-    let (color, checker) = (table.get(color_key), table.get(checker_key));
-    match (color, checker) {
-        (Some(_), Some(_)) => {
-            table.exclude(color_key, checker_key);
-            None
-        }
-        (Some(v), None) => v.color(Bounds::FRACTION).map(Paint::Solid),
-        (None, Some(v)) => squares(v.table("a checker")?),
-        (None, None) => Some(Paint::Solid(default)),
-    }
-}
-
-fn squares(table: Table<'_>) -> Option<Paint> {
-    let colors = table.require("colors").and_then(|v| {
-        let items = v.items("an array of two colours")?;
-        match items.as_slice() {
-            [a, b] => {
-                let (a, b) = (a.color(Bounds::FRACTION), b.color(Bounds::FRACTION));
-                Some([a?, b?])
-            }
-            _ => v.fail(format!("a checker has two colours, not {}", items.len())),
-        }
-    });
-    let size = match table.get("size") {
-        None => Some([1.0; 2]),
-        Some(v) if v.is_array() => v.numbers(Bounds::POSITIVE),
-        Some(v) => v.number(Bounds::POSITIVE).map(|x| [x, x]),
-    };
-    table.finish();
-    Some(Paint::Checker { colors: colors?, size: size? })
-}

@@ -3,6 +3,7 @@
 mod light;
 mod material;
 mod object;
+mod paint;
 mod placement;
 mod section;
 mod shared;
@@ -34,8 +35,8 @@ pub fn read_scene(path: &Path) -> Result<(Scene, Report), Report> {
     parse_scene(&path.display().to_string(), &text, folder)
 }
 
-/// Takes a scene from text in memory; `name` stands in messages where the path would, and profile
-/// files are looked for in `folder`.
+/// Takes a scene from text in memory; `name` stands in messages where the path would, and files
+/// are looked for in `folder`.
 ///
 /// # Errors
 ///
@@ -53,7 +54,7 @@ pub fn parse_scene(name: &str, text: &str, folder: &Path) -> Result<(Scene, Repo
         });
         return Err(report);
     }
-    let cx = Context::new(text, report);
+    let cx = Context::new(text, report, folder);
     let scene = decode(&cx, document.get_ref(), folder);
     let mut report = cx.into_report();
     report.sort();
@@ -89,8 +90,8 @@ fn decode<'a>(cx: &'a Context<'a>, document: &'a DeTable<'a>, folder: &Path) -> 
             cx.push(warning.help("add a [sky] or a [[light]]"));
         }
     }
-    let materials = materials.finish();
-    Some(Scene { film, camera: camera?, sky, lights, objects, materials, section })
+    let (materials, reliefs) = materials.finish();
+    Some(Scene { film, camera: camera?, sky, lights, objects, materials, reliefs, section })
 }
 
 /// A table of the scene that may be missing.

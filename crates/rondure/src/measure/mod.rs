@@ -12,7 +12,7 @@
 //! side is inside and whether the profile crosses itself, `cavity.rs` pours liquid in.
 
 mod cavity;
-mod quadrature;
+pub(crate) mod quadrature;
 mod slabs;
 mod solid;
 mod solve;

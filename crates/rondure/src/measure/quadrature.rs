@@ -40,7 +40,7 @@ const DEEPEST: u32 = 50;
 const ROUNDING: f64 = gamma(32);
 
 /// The integrals of N functions over a range, by 16 nodes.
-pub(super) fn gauss<const N: usize>(f: impl Fn(f64) -> [f64; N], range: [f64; 2]) -> [f64; N] {
+pub(crate) fn gauss<const N: usize>(f: impl Fn(f64) -> [f64; N], range: [f64; 2]) -> [f64; N] {
     let (middle, half) = (0.5 * (range[0] + range[1]), 0.5 * (range[1] - range[0]));
     let mut sums = [0.0; N];
     for [x, weight] in NODES.iter().rev() {
