@@ -227,6 +227,8 @@ impl Render {
             ("seed", self.seed.to_string()),
             ("depth", film.depth.to_string()),
             ("exposure", film.exposure.to_string()),
+            ("filter", film.filter.to_string()),
+            ("integrator", format!("{:?}", film.integrator)),
             ("engine", self.engine.describe()),
         ];
         let settings = settings.map(|(key, value)| (key.to_owned(), value)).into();
