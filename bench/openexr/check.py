@@ -6,7 +6,7 @@ import numpy as np
 import OpenEXR
 
 with OpenEXR.File(sys.argv[1], separate_channels=True) as file:
-    header, channels = file.header(), {name: c.pixels for name, c in file.channels().items()}
+    header, channels = dict(file.header()), {name: c.pixels.copy() for name, c in file.channels().items()}
 
 expected = "B G R Z albedo.B albedo.G albedo.R materialId normal.X normal.Y normal.Z objectId "
 expected += "position.X position.Y position.Z sampleCount variance.B variance.G variance.R"
