@@ -58,4 +58,14 @@ impl EngineArgs {
             ..usual
         }
     }
+
+    /// The engine in words, all of them that decide what it finds.
+    pub(crate) fn describe(&self) -> String {
+        let EngineOptions { method, criterion, samples, subdivide, .. } = self.options();
+        let name = method.name();
+        match method {
+            Method::Wide | Method::Exact => name.to_owned(),
+            _ => format!("{name}, {samples} samples, subdivide {subdivide}, {criterion:?}"),
+        }
+    }
 }

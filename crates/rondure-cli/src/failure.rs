@@ -11,8 +11,10 @@ pub(crate) enum Failure {
     Report(String),
     /// Everything has been said already.
     Reported,
-    /// Stopped by Ctrl-C.
+    /// Stopped by Ctrl-C, with nothing to show for it.
     Interrupted,
+    /// Stopped by Ctrl-C, with what there is written.
+    InterruptedAfter(String),
     /// Whoever reads our output has read enough, as `| head` does: no failure of ours.
     NobodyReads,
 }
@@ -33,6 +35,7 @@ impl Failure {
         match self {
             Self::Report(text) => anstream::eprintln!("{text}"),
             Self::Interrupted => anstream::eprintln!("stopped; nothing has been written"),
+            Self::InterruptedAfter(text) => anstream::eprintln!("{text}"),
             Self::Reported | Self::NobodyReads => {}
         }
     }
@@ -130,7 +133,7 @@ pub(crate) fn exit_code(outcome: Result<(), Failure>) -> ExitCode {
     failure.tell();
     match failure {
         Failure::NobodyReads => ExitCode::SUCCESS,
-        Failure::Interrupted => ExitCode::from(INTERRUPTED),
+        Failure::Interrupted | Failure::InterruptedAfter(_) => ExitCode::from(INTERRUPTED),
         Failure::Report(_) | Failure::Reported => ExitCode::FAILURE,
     }
 }

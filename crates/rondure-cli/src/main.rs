@@ -3,18 +3,23 @@
 //! One module per subcommand; [`failure`] is how all of them fail.
 
 mod check;
+mod checkpoint;
 mod engine;
 mod failure;
 mod interrupt;
 mod json;
 mod measure;
+mod merge;
+mod output;
 mod paper;
+mod part;
 mod profile;
 mod progress;
 mod render;
 mod scene;
 mod threads;
 mod trace;
+mod watch;
 
 use std::process::ExitCode;
 
@@ -31,6 +36,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Render(render::Render),
+    Merge(merge::Merge),
     Check(check::Check),
     Trace(trace::Trace),
     Measure(measure::Measure),
@@ -51,6 +57,7 @@ Exit codes: 0 all went well, 1 something is wrong with an input or an output, 2 
 fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Render(render) => render.run(),
+        Command::Merge(merge) => merge.run(),
         Command::Check(check) => check.run(),
         Command::Trace(trace) => trace.run(),
         Command::Measure(measure) => measure.run(),

@@ -10,13 +10,16 @@ use std::{
 };
 
 use indicatif::{ProgressBar, ProgressStyle};
-use rondure_render::Progress;
+use rondure_render::{Progress, Snapshot};
 
 /// Shows how far the work is, and passes on the wish to stop.
 pub(crate) struct Watcher<'a> {
     display: Display,
     /// The largest share that was reported, in steps of 1 / [`STEPS`].
     reached: AtomicU64,
+    /// The share that was done before.
+    before: f64,
+    noise: Mutex<Noise>,
     cancelled: &'a AtomicBool,
 }
 
@@ -32,15 +35,30 @@ struct Lines {
 }
 
 impl Lines {
-    fn advance(&mut self, done: f64) {
+    fn advance(&mut self, before: f64, done: f64, noise: Option<f64>) {
         if self.latest.elapsed() < BETWEEN_LINES {
             return;
         }
         self.latest = Instant::now();
-        let left = self.start.elapsed().as_secs_f64() * (1.0 - done) / done;
+        let left = self.start.elapsed().as_secs_f64() * (1.0 - done) / (done - before);
+        let noise = noise.map(|noise| format!(", {}", noise_text(noise))).unwrap_or_default();
         // Whoever does not want to read it need not.
-        drop(writeln!(stderr(), "{} %, {} left", (100.0 * done).floor(), seconds(left)));
+        drop(writeln!(stderr(), "{} %{noise}, {} left", (100.0 * done).floor(), seconds(left)));
     }
+}
+
+/// The noise of the picture, as it was last looked at.
+#[derive(Default)]
+struct Noise {
+    level: Option<f64>,
+    looked: Option<Instant>,
+}
+
+/// How long after a look at the noise there is another.
+const BETWEEN_LOOKS: Duration = Duration::from_secs(1);
+
+fn noise_text(noise: f64) -> String {
+    format!("noise {:.2} %", 100.0 * noise)
 }
 
 /// How finely progress is shown by a bar.
@@ -54,7 +72,7 @@ impl<'a> Watcher<'a> {
             Display::None
         } else if stderr().is_terminal() {
             let bar = ProgressBar::new(STEPS);
-            let template = "{bar:40.cyan} {percent:>3} %  {elapsed} passed, {eta} left";
+            let template = "{bar:40.cyan} {percent:>3} %  {msg}{elapsed} passed, {eta} left";
             if let Ok(style) = ProgressStyle::with_template(template) {
                 bar.set_style(style);
             }
@@ -63,7 +81,20 @@ impl<'a> Watcher<'a> {
             let start = Instant::now();
             Display::Lines(Mutex::new(Lines { start, latest: start }))
         };
-        Self { display, reached: AtomicU64::new(0), cancelled }
+        let reached = AtomicU64::new(0);
+        Self { display, reached, before: 0.0, noise: Mutex::default(), cancelled }
+    }
+
+    /// The same, for work of which a share has been done before.
+    pub(crate) fn after(mut self, done: f64) -> Self {
+        self.before = done;
+        let steps = (done * STEPS as f64) as u64;
+        self.reached.store(steps, Ordering::Relaxed);
+        if let Display::Bar(bar) = &self.display {
+            bar.set_position(steps);
+            bar.reset_eta();
+        }
+        self
     }
 
     /// Takes the bar away.
@@ -85,7 +116,8 @@ impl Progress for Watcher<'_> {
             Display::Bar(bar) => bar.set_position(now),
             Display::Lines(lines) => {
                 if let Ok(mut lines) = lines.try_lock() {
-                    lines.advance(done);
+                    let noise = self.noise.try_lock().ok().and_then(|noise| noise.level);
+                    lines.advance(self.before, done, noise);
                 }
             }
             Display::None => {}
@@ -94,6 +126,21 @@ impl Progress for Watcher<'_> {
 
     fn is_cancelled(&self) -> bool {
         self.cancelled.load(Ordering::Relaxed)
+    }
+
+    fn landed(&self, so_far: &Snapshot<'_>) {
+        if matches!(self.display, Display::None) {
+            return;
+        }
+        let Ok(mut noise) = self.noise.try_lock() else { return };
+        if noise.looked.is_some_and(|looked| looked.elapsed() < BETWEEN_LOOKS) {
+            return;
+        }
+        noise.looked = Some(Instant::now());
+        noise.level = so_far.film.noise();
+        if let (Display::Bar(bar), Some(level)) = (&self.display, noise.level) {
+            bar.set_message(noise_text(level) + "  ");
+        }
     }
 }
 

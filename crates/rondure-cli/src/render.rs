@@ -1,41 +1,53 @@
 //! `rondure render`: from a scene to a picture.
 
 use std::{
-    ffi::OsStr,
-    path::{Path, PathBuf},
+    ffi::OsString,
+    path::PathBuf,
     str::FromStr,
-    time::Instant,
+    sync::atomic::Ordering,
+    time::{Duration, Instant},
 };
 
 use clap::Args;
 use rondure::EngineOptions;
-use rondure_render::{Picture, RenderError, Settings, WriteError, render};
+use rondure_film::{Portion, Recipe, ShareRef, Statistics};
+use rondure_render::{Job, Outcome, RenderError, Settings, Work};
+use rondure_scene::{Scene, scene_digest};
 
 use crate::{
+    checkpoint::Checkpoint,
     engine::EngineArgs,
     failure::Failure,
     interrupt,
+    output::{self, Kind, Look, Output},
+    part::PartArgs,
     progress::{Watcher, seconds},
     scene,
     threads::Threads,
+    watch::{self, Watch},
 };
 
-/// Render a scene into a PNG picture
+/// Render a scene into a picture, or a part of one
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   rondure render scenes/still-life.toml                       make still-life.png, here
+  rondure render chess.toml -o chess.exr                      with layers, for compositing
   rondure render chess.toml -o draft.png --size 320x240 --spp 4
+  rondure render chess.toml --checkpoint chess.rdf --resume   go on where it was stopped
+  rondure render chess.toml --part 2/7 -o part-2.rdf          a part, for `rondure merge`
 
-The picture is the same, bit for bit, for any number of threads. It appears under its name only when
-it is whole; Ctrl-C leaves nothing behind.")]
+The picture is the same, bit for bit, for any number of threads, in however many parts it was made, and
+however often it was stopped. It appears under its name only when it is whole; Ctrl-C writes what
+there is.")]
 pub(crate) struct Render {
     /// The scene file
     #[arg(value_name = "SCENE.toml")]
     scene: PathBuf,
 
-    /// Where to write the picture; the scene's name with .png in the current folder if not given
-    #[arg(short, long, value_name = "OUT.png")]
+    /// Where to write the picture, a PNG or OpenEXR file, or the part of one, an .rdf file; the scene's name with .png in the
+    /// current folder if not given
+    #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 
     /// The picture's size in pixels, instead of the scene's
@@ -45,6 +57,12 @@ pub(crate) struct Render {
     /// How many samples to take in each pixel, instead of the scene's number
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     spp: Option<u32>,
+
+    #[command(flatten)]
+    long: LongArgs,
+
+    #[command(flatten)]
+    part: PartArgs,
 
     #[command(flatten)]
     threads: Threads,
@@ -60,6 +78,31 @@ pub(crate) struct Render {
     #[arg(short, long)]
     quiet: bool,
 }
+
+#[derive(Debug, Args)]
+struct LongArgs {
+    /// Show the picture so far in this PNG file, every few seconds
+    #[arg(long, value_name = "FILE.png", help_heading = LONG)]
+    preview: Option<PathBuf>,
+
+    /// Stop after this time, like 90s or 1h30m, with the samples that there are
+    #[arg(long, value_name = "TIME", value_parser = watch::duration, help_heading = LONG)]
+    time: Option<Duration>,
+
+    /// Keep the work in this file, so that it can be gone on with; it is deleted when all is done
+    #[arg(long, value_name = "FILE", help_heading = LONG)]
+    checkpoint: Option<PathBuf>,
+
+    /// How often the checkpoint is written
+    #[arg(long, value_name = "TIME", value_parser = watch::duration, default_value = "1m", requires = "checkpoint", help_heading = LONG)]
+    every: Duration,
+
+    /// Go on from the checkpoint, if it is there
+    #[arg(long, requires = "checkpoint", help_heading = LONG)]
+    resume: bool,
+}
+
+const LONG: &str = "Long work";
 
 /// Pixels across and down.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,6 +125,84 @@ impl FromStr for Size {
 
 impl Render {
     pub(crate) fn run(&self) -> Result<(), Failure> {
+        let scene = self.scene()?;
+        let output = self.output()?;
+        let recipe = self.recipe(&scene)?;
+        let look = Look { exposure: scene.film.exposure, bits: scene.film.bits };
+        let settings = Settings { threads: self.threads.number(), seed: self.seed };
+        let job = Job::new(&scene, &settings, output.layers()).map_err(cannot_render)?;
+        let portion = self.part.of(&job.whole())?;
+        let pixels = portion.window.pixels();
+        output.check(pixels)?;
+        let preview = self.long.preview.clone().map(watch::preview).transpose()?;
+        if let Some(preview) = &preview {
+            preview.check(pixels)?;
+        }
+        let checkpoint = self.long.checkpoint.as_deref().map(Checkpoint::new).transpose()?;
+        let mut work = match &checkpoint {
+            Some(checkpoint) => self.begin(&job, &recipe, &portion, checkpoint)?,
+            None => Work::new(&job, portion.clone()).map_err(cannot_render)?,
+        };
+
+        let cancelled = interrupt::flag();
+        let before = work.snapshot().done();
+        let (rays, start) = (*work.statistics(), Instant::now());
+        let watcher = Watcher::new(self.quiet, &cancelled).after(before);
+        let mut watch = Watch::new(&watcher, &recipe, self.part.number(), look, self.long.every);
+        watch.checkpoint = checkpoint.as_ref();
+        watch.preview = preview.as_ref();
+        watch.end = self.long.time.and_then(|time| start.checked_add(time));
+        if let Some(checkpoint) = &checkpoint {
+            // There and then it shows whether there is room for it.
+            let state = work.snapshot();
+            checkpoint.write(&watch.share(&state, &state.covered()))?;
+        }
+        let outcome = work.run(&job, settings.threads, &watch);
+        let time = start.elapsed().as_secs_f64();
+        watcher.finish();
+        let outcome = outcome.map_err(cannot_render)?;
+
+        let state = work.snapshot();
+        let covered = Portion::joined(state.covered());
+        let share = watch.share(&state, &covered);
+        self.tell_invalid(share.statistics);
+        if outcome == Outcome::Finished {
+            self.write(&output, &share, look, checkpoint.as_ref())?;
+            if let Some(checkpoint) = &checkpoint {
+                checkpoint.remove();
+            }
+            self.tell(|| format!("{}: {}", output.path.display(), summary(&share, &rays, time)));
+            return Ok(());
+        }
+        let mut written = Vec::new();
+        if let Some(checkpoint) = &checkpoint {
+            checkpoint.write(&watch.share(&state, &state.covered()))?;
+            written.push(format!("the checkpoint {}", checkpoint.path().display()));
+        }
+        // A picture with holes is none; a part may have them.
+        let least = covered.iter().map(|p| p.samples.end - portion.samples.start).min();
+        let whole = portion.samples.start..portion.samples.start + least.unwrap_or(0);
+        let first = Portion { window: portion.window, samples: whole };
+        let shows = first.samples.end > first.samples.start && first.missing(&covered).is_empty();
+        if shows || (output.kind == Kind::Share && !covered.is_empty()) {
+            self.write(&output, &share, look, checkpoint.as_ref())?;
+            written.push(format!("{}, unfinished", output.path.display()));
+        }
+        let done = (100.0 * state.done()).floor();
+        let text = match written.as_slice() {
+            [] if cancelled.load(Ordering::Relaxed) => return Err(Failure::Interrupted),
+            [] => format!("stopped after {}; nothing has been written", seconds(time)),
+            written => format!("stopped at {done} %; written: {}", written.join("; ")),
+        };
+        if cancelled.load(Ordering::Relaxed) {
+            return Err(Failure::InterruptedAfter(text));
+        }
+        self.tell(|| text);
+        Ok(())
+    }
+
+    /// The scene, with what the options say in place of what it says.
+    fn scene(&self) -> Result<Scene, Failure> {
         let mut scene = scene::read(&self.scene)?;
         if let Some(Size { width, height }) = self.size {
             (scene.film.width, scene.film.height) = (width, height);
@@ -93,94 +214,139 @@ impl Render {
         if engine != EngineOptions::default() {
             scene.set_engine(&engine);
         }
-        let output = self.output()?;
-        check_place(&output)?;
-
-        let cancelled = interrupt::flag();
-        let watcher = Watcher::new(self.quiet, &cancelled);
-        let settings = Settings { threads: self.threads.number(), seed: self.seed };
-        let start = Instant::now();
-        let rendered = render(&scene, &settings, &watcher);
-        let time = start.elapsed().as_secs_f64();
-        watcher.finish();
-        let picture = rendered.map_err(cannot_render)?;
-        picture.write_png(&output, scene.film.bits).map_err(|e| cannot_write(&output, e))?;
-
-        let invalid = picture.statistics().invalid_samples;
-        if invalid > 0 {
-            anstream::eprintln!(
-                "warning: {invalid} samples came out as no light and were left out"
-            );
-        }
-        if !self.quiet {
-            let spp = scene.film.spp;
-            anstream::eprintln!("{}: {}", output.display(), summary(&picture, spp, time));
-        }
-        Ok(())
+        Ok(scene)
     }
 
-    fn output(&self) -> Result<PathBuf, Failure> {
+    /// Everything that decides a bit of the sums.
+    fn recipe(&self, scene: &Scene) -> Result<Recipe, Failure> {
+        let name = self.scene.display().to_string();
+        let digest = scene_digest(&self.scene).map_err(|e| Failure::unreadable(&name, &e))?;
+        let film = &scene.film;
+        let settings = [
+            ("version", env!("CARGO_PKG_VERSION").to_owned()),
+            ("seed", self.seed.to_string()),
+            ("depth", film.depth.to_string()),
+            ("exposure", film.exposure.to_string()),
+            ("filter", film.filter.to_string()),
+            ("integrator", format!("{:?}", film.integrator)),
+            ("engine", self.engine.describe()),
+        ];
+        let settings = settings.map(|(key, value)| (key.to_owned(), value)).into();
+        Ok(Recipe { name, scene: digest, spp: film.spp, settings })
+    }
+
+    /// The work that a checkpoint holds, or new work if it holds none.
+    fn begin(
+        &self,
+        job: &Job<'_>,
+        recipe: &Recipe,
+        portion: &Portion,
+        checkpoint: &Checkpoint,
+    ) -> Result<Work, Failure> {
+        let new = || Work::new(job, portion.clone()).map_err(cannot_render);
+        if !self.long.resume {
+            if checkpoint.path().exists() {
+                let path = checkpoint.path().display();
+                let title = format!("there is a checkpoint `{path}` already");
+                return Err(Failure::new(title, "add --resume to go on from it, or delete it"));
+            }
+            return new();
+        }
+        let Some(share) = checkpoint.read(job, recipe, portion)? else { return new() };
+        Work::resume(job, portion.clone(), share).map_err(|e| checkpoint.refused(&e.to_string()))
+    }
+
+    /// Writes the result. If that fails it is kept elsewhere.
+    fn write(
+        &self,
+        output: &Output,
+        share: &ShareRef<'_>,
+        look: Look,
+        checkpoint: Option<&Checkpoint>,
+    ) -> Result<(), Failure> {
+        output.write(share, look).map_err(|failure| {
+            let kept = match checkpoint {
+                Some(checkpoint) if checkpoint.write(share).is_ok() => {
+                    Some(checkpoint.path().to_owned())
+                }
+                _ => output::rescue(&output.path, share),
+            };
+            match kept {
+                Some(path) => failure.with_note(&format!(
+                    "nothing is lost: `rondure merge {} -o FILE` makes the picture",
+                    path.display()
+                )),
+                None => failure.with_note("there was no other place either, and the work is lost"),
+            }
+        })
+    }
+
+    fn output(&self) -> Result<Output, Failure> {
         let path = match (&self.output, self.scene.file_stem()) {
             (Some(path), _) => path.clone(),
             (None, Some(stem)) => {
-                let mut name = stem.to_owned();
-                name.push(".png");
+                let mut name = OsString::from(stem);
+                match self.part.number() {
+                    Some((number, of)) => name.push(format!(".part-{number}-of-{of}.rdf")),
+                    None if self.part.is_some() => name.push(".part.rdf"),
+                    None => name.push(".png"),
+                }
                 PathBuf::from(name)
             }
             (None, None) => {
                 return Err(Failure::new("the picture has no name", "give it one with -o OUT.png"));
             }
         };
-        if path.extension().and_then(OsStr::to_str).is_some_and(|e| e.eq_ignore_ascii_case("png")) {
-            return Ok(path);
+        let output = Output::new(path)?;
+        if self.part.is_some() && output.kind != Kind::Share {
+            let title = format!("cannot write a part of a picture to `{}`", output.path.display());
+            return Err(Failure::new(
+                title,
+                "give it a name that ends in .rdf, and merge the parts",
+            ));
         }
-        let title = format!("cannot write `{}`: pictures are PNG files", path.display());
-        Err(Failure::new(title, "give it a name that ends in .png"))
+        Ok(output)
     }
-}
 
-/// Makes sure, before hours of work, that the picture can be written where it is to go.
-fn check_place(output: &Path) -> Result<(), Failure> {
-    if output.is_dir() {
-        return Err(Failure::unwritable(output, &std::io::ErrorKind::IsADirectory.into()));
+    fn tell(&self, text: impl FnOnce() -> String) {
+        if !self.quiet {
+            anstream::eprintln!("{}", text());
+        }
     }
-    let folder = match output.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    tempfile::Builder::new()
-        .prefix(".rondure-")
-        .tempfile_in(folder)
-        .and_then(tempfile::NamedTempFile::close)
-        .map_err(|error| Failure::unwritable(output, &error))
+
+    fn tell_invalid(&self, statistics: &Statistics) {
+        let invalid = statistics.invalid_samples;
+        if invalid > 0 {
+            anstream::eprintln!(
+                "warning: {invalid} samples came out as no light and were left out"
+            );
+        }
+    }
 }
 
 fn cannot_render(error: RenderError) -> Failure {
     let help = match error {
         RenderError::Cancelled => return Failure::Interrupted,
-        RenderError::TooLarge { .. } => "choose a smaller --size",
+        RenderError::TooLarge { .. } | RenderError::Film(_) => "choose a smaller --size",
         RenderError::Threads(_) => "ask for fewer with --threads",
         _ => "change the scene",
     };
     Failure::new(error, help)
 }
 
-fn cannot_write(output: &Path, error: WriteError) -> Failure {
-    match error {
-        WriteError::Io { source, .. } => Failure::unwritable(output, &source),
-        other => Failure::new(other, "choose another size or place"),
-    }
-}
-
-fn summary(picture: &Picture, spp: u32, time: f64) -> String {
-    let statistics = picture.statistics();
-    let rays = statistics.camera_rays + statistics.secondary_rays + statistics.shadow_rays;
+/// What was done since `before`, in how many seconds.
+fn summary(share: &ShareRef<'_>, before: &Statistics, time: f64) -> String {
+    let rays = |s: &Statistics| s.camera_rays + s.secondary_rays + s.shadow_rays;
+    let samples = share.statistics.camera_rays - before.camera_rays;
+    let rays = rays(share.statistics) - rays(before);
+    let window = share.film.window();
     format!(
-        "{}x{}, {spp} spp, {} ({}samples/s, {}rays/s)",
-        picture.width(),
-        picture.height(),
+        "{}x{}, {} spp, {} ({}samples/s, {}rays/s)",
+        window.width,
+        window.height,
+        share.recipe.spp,
         seconds(time),
-        rate(statistics.camera_rays, time),
+        rate(samples, time),
         rate(rays, time)
     )
 }

@@ -306,6 +306,32 @@ impl Film {
         self.centers.get(self.index(x, y)?).copied()
     }
 
+    /// How noisy the picture is: the root of the mean variance of its pixels' luminance, as a fraction of their mean luminance. Taken over some
+    /// thousands of pixels that are spread evenly, and of those that have two samples or more; `None` if it is not known.
+    ///
+    /// The channels' errors are taken to go the same way, and samples to be independent, so it is rather too large.
+    pub fn noise(&self) -> Option<f64> {
+        const PIXELS: u64 = 10_000;
+        /// Of Rec. 709.
+        const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
+        let luminance = |rgb: [f64; 3]| (0..3).map(|c| LUMINANCE[c] * rgb[c]).sum::<f64>();
+        let all = self.window.pixels();
+        let count = all.min(PIXELS);
+        let (mut variance, mut light, mut known) = (0.0, 0.0, 0.0);
+        for i in 0..count {
+            let at = i * all / count;
+            let x = self.window.x + (at % u64::from(self.window.width)) as u32;
+            let y = self.window.y + (at / u64::from(self.window.width)) as u32;
+            let error = luminance(self.variance(x, y).map(f64::sqrt));
+            if self.layers.variance && error.is_finite() {
+                variance += error * error;
+                light += luminance(self.light(x, y));
+                known += 1.0;
+            }
+        }
+        (light > 0.0).then(|| (variance / known).sqrt() / (light / known))
+    }
+
     fn mean<const L: usize, const F: u32>(&self, i: usize, sums: &[Sum<L, F>; 3]) -> [f64; 3] {
         let count = self.counts[i];
         if count.samples == 0 {
@@ -358,6 +384,19 @@ mod tests {
         assert!((variance[1] - 40.0 / 12.0).abs() < 1e-15);
         assert!(variance[2] < 1e-17);
         assert_eq!(film.guide(1, 2).unwrap(), sample([0.0; 3]).guide);
+    }
+
+    #[test]
+    fn noise_is_the_error_over_the_light() {
+        let mut film = Film::new([200, 90], Window::whole(200, 90), Layers::ALL).unwrap();
+        assert_eq!(film.noise(), None);
+        for (x, y) in (0..200).flat_map(|x| (0..90).map(move |y| (x, y))) {
+            for v in [1.0, 3.0, 1.0, 3.0] {
+                assert!(film.add(x, y, &sample([v; 3])));
+            }
+        }
+        // The samples' variance is 4/3, that of their mean 1/3, and the mean is 2.
+        assert!((film.noise().unwrap() - (1.0 / 3.0_f64).sqrt() / 2.0).abs() < 1e-12);
     }
 
     #[test]

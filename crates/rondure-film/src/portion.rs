@@ -58,7 +58,7 @@ impl Portion {
         })
     }
 
-    /// Joins neighbours with the same samples, first along rows, then rows.
+    /// Joins neighbours with the same samples, first along rows, then rows. The result is in the order of samples, rows and columns.
     pub fn joined(mut portions: Vec<Self>) -> Vec<Self> {
         let key = |p: &Self| (p.samples.start, p.samples.end);
         portions.sort_by_key(|p| (key(p), p.window.y, p.window.height, p.window.x));
@@ -83,6 +83,7 @@ impl Portion {
             }
             joins
         });
+        portions.sort_by_key(|p| (key(p), p.window.y, p.window.x));
         portions
     }
 }

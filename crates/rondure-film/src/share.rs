@@ -94,8 +94,8 @@ fn missing_text(parts: &Option<(Vec<u32>, u32)>, portions: &[Portion]) -> String
     };
     match parts {
         Some((missing, all)) if !missing.is_empty() => {
-            let names = missing.iter().map(|k| format!("{k}/{all}")).collect();
-            format!("missing: part {}", list(names))
+            let names = missing.iter().map(|k| format!("part {k}/{all}")).collect();
+            format!("missing: {}", list(names))
         }
         _ => format!("missing: {}", list(portions.iter().map(Portion::to_string).collect())),
     }

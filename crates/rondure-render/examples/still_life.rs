@@ -82,9 +82,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             height: 600,
             spp,
             depth: 12,
-            bits: 8,
-            exposure: 1.0,
             integrator: Integrator::Whitted,
+            ..Film::default()
         },
         camera: Camera {
             eye: Vec3::new(0.4, -4.2, 1.7),

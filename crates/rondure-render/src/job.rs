@@ -82,7 +82,7 @@ impl<'a> Job<'a> {
             world,
             aim,
             view: View::new(&scene.camera, width, height).ok_or(RenderError::Camera)?,
-            filter: Filter::new(),
+            filter: Filter::new(film.filter),
             scene,
             seed: settings.seed,
             layers,
@@ -174,11 +174,9 @@ impl<'a> Job<'a> {
         let sample = Sample::new(self.seed, x, y, index);
         let (u, v) = sample.pair(Key::FILTER);
         let lens = if self.view.has_lens() { sample.pair(Key::LENS) } else { (0.5, 0.5) };
-        let ray = self.view.ray(
-            f64::from(x) + 0.5 + self.filter.offset(u),
-            f64::from(y) + 0.5 + self.filter.offset(v),
-            lens,
-        );
+        let ((across, a), (down, b)) = (self.filter.offset(u), self.filter.offset(v));
+        let (x, y) = (f64::from(x) + 0.5 + across, f64::from(y) + 0.5 + down);
+        let ray = self.view.ray(x, y, lens);
         let depth = film.depth.min(MAX_DEPTH);
         let light = match film.integrator {
             Integrator::Path => {
@@ -209,6 +207,6 @@ impl<'a> Job<'a> {
         let guide =
             if self.layers.guides { features::guide(&self.world, &ray) } else { Guide::default() };
         let light = light.is_light().then_some([light.r, light.g, light.b])?;
-        Some(PixelSample { light, negative: false, guide })
+        Some(PixelSample { light, negative: a != b, guide })
     }
 }

@@ -18,6 +18,8 @@ pub struct Picture {
     pub(crate) exposure: f64,
     pub(crate) pixels: Vec<[f32; 3]>,
     pub(crate) statistics: Statistics,
+    /// Names and texts for the file.
+    pub(crate) texts: Vec<(String, String)>,
 }
 
 /// Why a picture could not be written.
@@ -51,7 +53,7 @@ impl Picture {
         let [width, height] = film.size();
         let pixel = |x, y| film.light(x, y).map(|v| v as f32);
         let pixels = (0..height).flat_map(|y| (0..width).map(move |x| pixel(x, y))).collect();
-        Self { width, height, exposure, pixels, statistics }
+        Self { width, height, exposure, pixels, statistics, texts: Vec::new() }
     }
 
     /// Pixels across.
@@ -72,6 +74,11 @@ impl Picture {
     /// What was done to make it.
     pub fn statistics(&self) -> &Statistics {
         &self.statistics
+    }
+
+    /// Adds what a file is to say of the picture: names of up to 79 characters of ASCII, and texts.
+    pub fn describe(&mut self, texts: impl IntoIterator<Item = (String, String)>) {
+        self.texts.extend(texts);
     }
 
     /// The channels of all pixels as signals from 0 to `max`: times the exposure, cut off at white,
@@ -147,6 +154,16 @@ impl Picture {
             blue: chroma(15_000, 6_000),
         });
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        let software = concat!("Rondure ", env!("CARGO_PKG_VERSION")).to_owned();
+        encoder.add_text_chunk("Software".to_owned(), software)?;
+        for (name, text) in &self.texts {
+            // The plain kind of text chunk knows Latin-1 only.
+            if text.chars().all(|c| u32::from(c) < 0x100) {
+                encoder.add_text_chunk(name.clone(), text.clone())?;
+            } else {
+                encoder.add_itxt_chunk(name.clone(), text.clone())?;
+            }
+        }
         let mut writer = encoder.write_header()?;
         // Coding-independent code points: primaries of Rec. 709, sRGB curve, RGB, full range.
         writer.write_chunk(png::chunk::ChunkType(*b"cICP"), &[1, 13, 0, 1])?;
@@ -171,7 +188,14 @@ mod tests {
         let (width, height) = (33, 7);
         let pixels =
             (0..width * height).map(|i| [i as f32 / 400.0, 1.5 - i as f32 / 150.0, 0.25]).collect();
-        Picture { width, height, exposure: 1.0, pixels, statistics: Statistics::default() }
+        Picture {
+            width,
+            height,
+            exposure: 1.0,
+            pixels,
+            statistics: Statistics::default(),
+            texts: Vec::new(),
+        }
     }
 
     fn names(folder: &Path) -> Vec<String> {

@@ -83,6 +83,9 @@ pub enum RenderError {
         /// The numbers of the samples of the pass.
         pass: Range<u32>,
     },
+    /// A share cannot be gone on with as this work.
+    #[error("the share is of another portion of the picture, or has other layers or tiles")]
+    OtherPortion,
     /// The camera cannot see.
     #[error(
         "the camera sees nothing: eye and look_at must differ, up must not be parallel to the \

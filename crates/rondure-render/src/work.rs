@@ -1,10 +1,13 @@
 //! A portion of a picture in the making: tile after tile, pass after pass, to be stopped and gone on with at any tile.
 
 use core::ops::Range;
-use std::sync::{Mutex, PoisonError};
+use std::{
+    collections::HashMap,
+    sync::{Mutex, PoisonError},
+};
 
 use rayon::prelude::*;
-use rondure_film::{Film, Pass, Portion, Statistics, Window};
+use rondure_film::{Film, Pass, Portion, Share, Statistics, Window};
 
 use crate::{
     Progress, RenderError,
@@ -96,9 +99,38 @@ impl Work {
             let [width, height] = job.size();
             return Err(RenderError::EmptyFilm { width, height, spp: 0 });
         }
+        Ok(Self::begun(portion, edge, film, Statistics::default()))
+    }
+
+    fn begun(portion: Portion, edge: u32, film: Film, statistics: Statistics) -> Self {
         let tiles: Vec<_> = portion.window.tiles(edge).collect();
         let next = vec![portion.samples.start; tiles.len()];
-        Ok(Self { portion, tiles, next, film, statistics: Statistics::default() })
+        Self { portion, tiles, next, film, statistics }
+    }
+
+    /// The work that a share was cut from, to go on with it: the share must be of the job's picture, and have been written from a
+    /// [`Snapshot`] of the same portion.
+    ///
+    /// # Errors
+    /// If it was not.
+    pub fn resume(job: &Job<'_>, portion: Portion, share: Share) -> Result<Self, RenderError> {
+        let Share { covered, film, statistics, .. } = share;
+        let own = film.size() == job.size() && film.layers() == job.layers();
+        if !own || film.window() != portion.window {
+            return Err(RenderError::OtherPortion);
+        }
+        let mut work = Self::begun(portion, TILE, film, statistics);
+        let places: HashMap<_, _> = work.tiles.iter().copied().zip(0..).collect();
+        for Portion { window, samples } in covered {
+            let &tile: &usize = places.get(&window).ok_or(RenderError::OtherPortion)?;
+            let all = &work.portion.samples;
+            let begun = work.next[tile] > all.start;
+            if begun || samples.start != all.start || samples.is_empty() || samples.end > all.end {
+                return Err(RenderError::OtherPortion);
+            }
+            work.next[tile] = samples.end;
+        }
+        Ok(work)
     }
 
     /// The sums so far.

@@ -10,7 +10,7 @@ use common::{Build, WHITE, matte, scene};
 use rondure::Vec3;
 use rondure_film::{Film, Layers, Portion, Window};
 use rondure_render::{Job, Outcome, Progress, Settings, Snapshot, Work};
-use rondure_scene::{Lens, Light, Material, Paint, Projection, Scene, Shape};
+use rondure_scene::{Glass, Lens, Light, Material, Paint, Projection, Scene, Shape};
 
 /// A mirror, glass and a soft shadow, on a film that tiles do not divide.
 fn still(width: u32, height: u32, spp: u32) -> Scene {
@@ -24,7 +24,7 @@ fn still(width: u32, height: u32, spp: u32) -> Scene {
     scene
         .under(WHITE)
         .lit(Light::Sphere { center, radius: 0.4, radiance: [5.0, 4.0, 3.0] })
-        .with(ball(-1.3), Material::Glass { color: [0.9, 0.8, 0.7], ior: 1.5 })
+        .with(ball(-1.3), Material::Glass(Glass::clear([0.9, 0.8, 0.7], 1.5)))
         .with(ball(0.0), Material::Mirror { color: tint })
         .with(ball(1.3), matte(0.5))
         .with(Shape::Plane { point: Vec3::new(0.0, 0.0, -0.6), normal: Vec3::Z }, matte(0.2))

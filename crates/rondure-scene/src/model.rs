@@ -51,6 +51,82 @@ pub struct Film {
     pub exposure: f64,
     /// How light is followed.
     pub integrator: Integrator,
+    /// How the light of a place in the picture counts for the pixels near it.
+    pub filter: PixelFilter,
+}
+
+/// What a scene has that says nothing of its film.
+impl Default for Film {
+    fn default() -> Self {
+        Self {
+            width: 800,
+            height: 600,
+            spp: 16,
+            depth: 8,
+            bits: 8,
+            exposure: 1.0,
+            integrator: Integrator::default(),
+            filter: PixelFilter::default(),
+        }
+    }
+}
+
+/// How the light of a place in the picture counts for the pixels near it: a function of the distances across and down from the middle of the
+/// pixel, the product of both.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PixelFilter {
+    /// The function.
+    pub kind: FilterKind,
+    /// Where it ends, in pixels from the middle.
+    pub radius: f64,
+}
+
+/// Blackman and Harris' window of 3 pixels.
+impl Default for PixelFilter {
+    fn default() -> Self {
+        FilterKind::BlackmanHarris.usual()
+    }
+}
+
+/// A function for a [`PixelFilter`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum FilterKind {
+    /// The same everywhere.
+    Box,
+    /// A bell with a standard deviation of a third of the radius.
+    Gaussian,
+    /// A bell that ends without an edge (Harris 1978).
+    BlackmanHarris,
+    /// A bell with a dark rim, which makes edges crisp (Mitchell and Netravali 1988, B = C = 1/3).
+    Mitchell,
+}
+
+impl FilterKind {
+    /// All of them, with the names they have in scenes.
+    pub const ALL: [(&'static str, Self); 4] = [
+        ("box", Self::Box),
+        ("gaussian", Self::Gaussian),
+        ("blackman-harris", Self::BlackmanHarris),
+        ("mitchell", Self::Mitchell),
+    ];
+
+    /// The filter with the radius that is usual for it.
+    pub const fn usual(self) -> PixelFilter {
+        let radius = match self {
+            Self::Box => 0.5,
+            Self::Gaussian | Self::BlackmanHarris => 1.5,
+            Self::Mitchell => 2.0,
+        };
+        PixelFilter { kind: self, radius }
+    }
+}
+
+/// The name and the radius.
+impl core::fmt::Display for PixelFilter {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let name = FilterKind::ALL.iter().find(|(_, kind)| *kind == self.kind);
+        write!(f, "{} {}", name.map_or("", |(name, _)| name), self.radius)
+    }
 }
 
 /// How light is followed.

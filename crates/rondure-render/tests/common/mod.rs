@@ -32,9 +32,8 @@ pub(crate) fn scene(
             height: size,
             spp,
             depth: 8,
-            bits: 8,
-            exposure: 1.0,
             integrator: Integrator::Whitted,
+            ..Film::default()
         },
         camera: Camera { eye, look_at, up, projection, lens: None },
         sky: BLACK,

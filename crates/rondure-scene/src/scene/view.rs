@@ -3,7 +3,7 @@
 use rondure::{Vec3, numeric::gamma};
 
 use crate::{
-    Camera, Diagnostic, Film, Integrator, Lens, Projection,
+    Camera, Diagnostic, Film, FilterKind, Integrator, Lens, PixelFilter, Projection,
     decode::{Bounds, Context, SMALLEST, Table, Value},
 };
 
@@ -14,15 +14,7 @@ const DEEPEST: u32 = 200;
 const LARGEST_EDGE: u32 = 65_535;
 
 pub(super) fn film(table: Option<Table<'_>>) -> Film {
-    let mut film = Film {
-        width: 800,
-        height: 600,
-        spp: 16,
-        depth: 8,
-        bits: 8,
-        exposure: 1.0,
-        integrator: Integrator::default(),
-    };
+    let mut film = Film::default();
     let Some(table) = table else { return film };
     if let Some((width, height)) = table.get("size").and_then(|v| size(&v)) {
         (film.width, film.height) = (width, height);
@@ -38,8 +30,19 @@ pub(super) fn film(table: Option<Table<'_>>) -> Film {
         [("path", Integrator::Path), ("whitted", Integrator::Whitted)];
     let integrator = table.get("integrator").and_then(|v| v.choice("integrator", &INTEGRATORS));
     film.integrator = integrator.unwrap_or_default();
+    film.filter = filter(&table);
     table.finish();
     film
+}
+
+/// From a point to a blur over a hundred pixels.
+const RADII: Bounds = Bounds::new(|x| (0.0..=50.0).contains(&x), "from 0 to 50 pixels");
+
+fn filter(table: &Table<'_>) -> PixelFilter {
+    let kind = table.get("filter").and_then(|v| v.choice("filter", &FilterKind::ALL));
+    let filter = kind.map_or_else(PixelFilter::default, FilterKind::usual);
+    let radius = table.get("filter_radius").and_then(|v| v.number(RADII));
+    PixelFilter { radius: radius.unwrap_or(filter.radius), ..filter }
 }
 
 fn size(value: &Value<'_>) -> Option<(u32, u32)> {

@@ -1,0 +1,141 @@
+//! Where pictures and parts of them go: what kind of file, whether there is a place for it, and writing it there.
+
+use std::{
+    ffi::OsStr,
+    fs, io,
+    io::Write,
+    path::{Path, PathBuf},
+};
+
+use rondure_film::{ExrError, Layers, ShareError, ShareRef, write_exr};
+use rondure_render::{Picture, WriteError};
+
+use crate::failure::Failure;
+
+/// A file that a picture or a part of one goes to.
+#[derive(Clone, Debug)]
+pub(crate) struct Output {
+    pub(crate) path: PathBuf,
+    pub(crate) kind: Kind,
+}
+
+/// What kind of file it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Png,
+    Exr,
+    /// Sums, to be merged with others.
+    Share,
+}
+
+/// How light is shown.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Look {
+    pub(crate) exposure: f64,
+    pub(crate) bits: u8,
+}
+
+/// The most that is written to see whether there is room, in bytes.
+const LARGEST_PROBE: u64 = 256 << 20;
+
+impl Output {
+    /// The kind is told by the extension.
+    pub(crate) fn new(path: PathBuf) -> Result<Self, Failure> {
+        let extension = path.extension().and_then(OsStr::to_str).map(str::to_ascii_lowercase);
+        let kind = match extension.as_deref() {
+            Some("png") => Kind::Png,
+            Some("exr") => Kind::Exr,
+            Some("rdf") => Kind::Share,
+            _ => {
+                let title =
+                    format!("cannot write `{}`: pictures are PNG or OpenEXR files", path.display());
+                let help = "give it a name that ends in .png or .exr, or in .rdf for a part";
+                return Err(Failure::new(title, help));
+            }
+        };
+        Ok(Self { path, kind })
+    }
+
+    /// The layers that go into such a file.
+    pub(crate) fn layers(&self) -> Layers {
+        Layers { variance: true, guides: self.kind != Kind::Png }
+    }
+
+    /// Makes sure, before hours of work, that a file of about this many pixels can be written there.
+    pub(crate) fn check(&self, pixels: u64) -> Result<(), Failure> {
+        let bytes = match self.kind {
+            Kind::Png => 3,
+            Kind::Exr => 76,
+            Kind::Share => 200,
+        };
+        check_place(&self.path, pixels.saturating_mul(bytes))
+    }
+
+    /// Writes the file.
+    pub(crate) fn write(&self, share: &ShareRef<'_>, look: Look) -> Result<(), Failure> {
+        match self.kind {
+            Kind::Png => {
+                let mut picture = Picture::new(share.film, look.exposure, *share.statistics);
+                picture.describe(
+                    share.recipe.texts().map(|(name, value)| (format!("rondure:{name}"), value)),
+                );
+                picture.write_png(&self.path, look.bits).map_err(|e| match e {
+                    WriteError::Io { source, .. } => Failure::unwritable(&self.path, &source),
+                    other => Failure::new(other, "choose another size or place"),
+                })
+            }
+            Kind::Exr => write_exr(&self.path, share.film, share.recipe).map_err(|e| match e {
+                ExrError::Io { source, .. } => Failure::unwritable(&self.path, &source),
+                other => Failure::new(other, "choose another size or place"),
+            }),
+            Kind::Share => write_share(&self.path, share),
+        }
+    }
+}
+
+/// Writes a share.
+pub(crate) fn write_share(path: &Path, share: &ShareRef<'_>) -> Result<(), Failure> {
+    share.write(path).map_err(|e| match e {
+        ShareError::Io { source, .. } => Failure::unwritable(path, &source),
+        other => Failure::new(other, "choose another place"),
+    })
+}
+
+/// Makes sure that a file can be written, and that there is room for so many bytes, or for [`LARGEST_PROBE`].
+pub(crate) fn check_place(path: &Path, bytes: u64) -> Result<(), Failure> {
+    let unwritable = |error: io::Error| Failure::unwritable(path, &error);
+    if path.is_dir() {
+        return Err(unwritable(io::ErrorKind::IsADirectory.into()));
+    }
+    let probe = || {
+        let mut file = tempfile::Builder::new().prefix(".rondure-").tempfile_in(folder_of(path))?;
+        let block = vec![0; 1 << 20];
+        let mut left = bytes.min(LARGEST_PROBE);
+        while left > 0 {
+            let now = left.min(block.len() as u64);
+            file.write_all(&block[..now as usize])?;
+            left -= now;
+        }
+        file.close()
+    };
+    probe().map_err(unwritable)
+}
+
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
+}
+
+/// Keeps what was computed, when its own place has turned out to be no place, in the next best: beside it, here, or where temporary files go.
+/// Says where.
+pub(crate) fn rescue(output: &Path, share: &ShareRef<'_>) -> Option<PathBuf> {
+    let mut name = output.file_stem().unwrap_or(OsStr::new("picture")).to_owned();
+    name.push(format!(".rescued-{}.rdf", std::process::id()));
+    let folders = [folder_of(output).to_owned(), PathBuf::from("."), std::env::temp_dir()];
+    folders.into_iter().map(|folder| folder.join(&name)).find(|path| {
+        let written = share.write(path).is_ok();
+        written && fs::metadata(path).is_ok()
+    })
+}
