@@ -28,9 +28,9 @@ pub(crate) use spectrum::{Dispersion, Wavelength};
 
 use crate::color::Rgb;
 
-/// The widest microfacet distribution that counts as narrow: its lobe is some two degrees wide. In wider ones
+/// The widest microfacet distribution that counts as narrow: its lobe is some five degrees wide. In wider ones
 /// light that glass has gathered would be found too rarely.
-const NARROW_ALPHA: f64 = 0.02;
+const NARROW_ALPHA: f64 = 0.05;
 
 /// Whether a lobe can be lit by the lamps' photons.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
