@@ -57,8 +57,8 @@ impl Environment {
             let solid_angle = band(y, height) * TAU / f64::from(width);
             let mut sum = 0.0;
             pixels.push(sum);
-            for x in 0..width as usize {
-                sum += mean(around[0][x], around[1][x], around[2][x]) * solid_angle;
+            for ((above, own), below) in around[0].iter().zip(&around[1]).zip(&around[2]) {
+                sum += mean(*above, *own, *below) * solid_angle;
                 pixels.push(sum);
             }
             light += sum;

@@ -2,11 +2,12 @@
 
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that fails may stop")]
 
-use std::{fs, path::Path, sync::Arc};
+use std::{f64::consts::PI, fs, path::Path, sync::Arc};
 
 use rondure::Vec3;
 use rondure_scene::{
-    Glass, Light, Material, Paint, Projection, Report, Scene, Shape, Sky, parse_scene,
+    Along, Glass, Light, Material, Paint, Projection, Relief, Report, Scene, Shape, Sky, Wrap,
+    parse_scene,
 };
 
 const START: &str = "[camera]\neye = [0, -5, 1]\nlook_at = [0, 0, 0]\n[sky]\n";
@@ -281,4 +282,43 @@ fn damaged_scenes() {
             }
         }
     }
+}
+
+#[test]
+fn paints_and_reliefs() {
+    let (scene, _) = parse(&format!(
+        "{START}{}",
+        r#"
+[materials]
+log = { wood = { axis = [0, 0, 2], ring = 0.5, seed = 9 } }
+inner = { type = "glossy", color = { checker = { colors = ["white", "black"], space = true } } }
+deep = { type = "principled", base_color = { marble = { turbulence = 0 } }, normal_map = "label.png" }
+jar = { label = [
+    { file = "label.png", z = [1, 2], around = [-90, 90], over = { image = { file = "label.png", wrap = "once" } } },
+    { file = "label.png", length = [0, 3] },
+], bump = { noise = 0.5, height = -0.1 } }
+"#
+    ));
+    let material = |i: usize| &scene.materials[i];
+    let Material::Matte { color: Paint::Wood(wood) } = material(0) else { panic!("no wood") };
+    assert_eq!((wood.axis, wood.ring, wood.seed), (Vec3::Z, 0.5, Some(9)));
+    let Material::Glossy { color: Paint::Blocks { size, .. }, .. } = material(1) else {
+        panic!("no blocks")
+    };
+    assert_eq!(*size, Vec3::splat(1.0));
+    let Material::Principled(deep) = material(2) else { panic!("not principled") };
+    assert!(matches!(&deep.base_color, Paint::Marble(m) if m.turbulence == 0.0));
+    // The last label lies on the first, and that on a picture; the file is read once.
+    let Material::Matte { color: Paint::Label(top) } = material(3) else { panic!("no label") };
+    assert_eq!((top.along, top.range, top.around), (Along::Length, [0.0, 3.0], [-PI, PI]));
+    let Paint::Label(below) = &top.over else { panic!("no second label") };
+    assert_eq!((below.along, below.around), (Along::Z, [-0.5 * PI, 0.5 * PI]));
+    let Paint::Picture(picture) = &below.over else { panic!("no picture") };
+    assert_eq!(picture.sheet.wrap, Wrap::Once);
+    assert!(Arc::ptr_eq(&picture.sheet.image, &top.image));
+    // Colours are decoded, normals are not.
+    let Some(Some(Relief::Normals { sheet, .. })) = scene.reliefs.get(2) else { panic!("no map") };
+    assert!(sheet.image.pixel(1, 1)[0] > top.image.pixel(1, 1)[0] + 0.1);
+    assert!(matches!(scene.reliefs[3], Some(Relief::Noise { height, .. }) if height == -0.1));
+    assert_eq!(scene.reliefs[0], None);
 }

@@ -43,7 +43,7 @@ impl Marble {
         let mut seed = 0;
         if let Some(own) = self.seed {
             seed = spot.seed(own);
-            p = p + Vec3::new(random(1, seed), random(2, seed), random(3, seed)) * 1000.0;
+            p += Vec3::new(random(1, seed), random(2, seed), random(3, seed)) * 1000.0;
         }
         let fold = self.turbulence * turbulence(p * 0.8, OCTAVES, seed);
         let main = self.vein_at(p.dot(self.across) + fold);

@@ -7,6 +7,8 @@ mod marble;
 mod noise;
 mod relief;
 mod sheet;
+#[cfg(test)]
+mod tests;
 mod wood;
 
 use rondure::{Affine, Interaction, Vec3};
@@ -185,7 +187,7 @@ fn alternate(colors: &[Rgb; 2], square: f64) -> Rgb {
 }
 
 #[cfg(test)]
-mod tests {
+mod own_tests {
     use super::*;
 
     #[test]

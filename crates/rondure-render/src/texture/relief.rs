@@ -54,7 +54,7 @@ impl Relief {
             Self::Noise { per_size, height, seed } => {
                 let mut p = spot.point * *per_size;
                 let seed = seed.map_or(0, |seed| spot.seed(seed));
-                p = p + Vec3::new(random(1, seed), random(2, seed), random(3, seed)) * 100.0;
+                p += Vec3::new(random(1, seed), random(2, seed), random(3, seed)) * 100.0;
                 // Central differences over a thousandth of a grain: six digits are left.
                 let step = 1e-3;
                 let slope = |along: Vec3| {

@@ -3,7 +3,7 @@
 use rondure::Vec3;
 
 use crate::{
-    Along, Color, Marble, Paint, Picture, Relief, Sheet, Sticker, Wood, Wrap,
+    Along, Color, Diagnostic, Marble, Paint, Picture, Relief, Sheet, Sticker, Wood, Wrap,
     decode::{Bounds, Table, Value},
     image::Content,
 };
@@ -216,7 +216,8 @@ fn label(table: Table<'_>, below: Option<&Paint>, default: Color) -> Option<Pain
         .collect();
     let range = match given.as_slice() {
         [] => {
-            table.missing("z");
+            let error = Diagnostic::error("a label needs one of the keys `z`, `v` and `length`");
+            table.context().push(error.at(table.span(), "all three are missing"));
             None
         }
         [(along, _, value)] => value.numbers::<2>(Bounds::ANY).and_then(|range| {
