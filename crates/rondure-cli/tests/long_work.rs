@@ -162,6 +162,7 @@ fn options_for_parts_are_checked() {
     fails(&desk, "render drum.toml --part 1/2 -o x.png", &["a part of a picture", ".rdf"]);
     fails(&desk, "render drum.toml --part 1/40 -o x.rdf", &["32 rows", "40 parts"]);
     fails(&desk, "render drum.toml --tile 40,0,9,1 -o x.rdf", &["not within the picture of 48x32"]);
+    fails(&desk, "render drum.toml --preview x.exr", &["previews are PNG files"]);
     fails(&desk, "render drum.toml --sample-range 4..7 -o x.rdf", &["samples 0..6 only"]);
     for wrong in
         ["--part 0/2", "--part 2", "--tile 1,2,3", "--sample-range 5..5", "--resume", "--time 5x"]
