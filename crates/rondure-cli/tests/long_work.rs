@@ -15,7 +15,7 @@ use std::{
 
 use common::Desk;
 
-/// A goblet of glass under a lamp with a soft shadow.
+/// A drum and a ball of glass under a lamp, with a soft shadow and a caustic.
 const SCENE: &str = r#"
 [film]
 size = [48, 32]
@@ -38,6 +38,12 @@ intensity = 40
 [[object]]
 profile = { file = "drum.path" }
 material = { type = "glossy", color = "firebrick", roughness = 0.3 }
+
+[[object]]
+type = "sphere"
+position = [1.5, 1, 0.5]
+radius = 0.5
+material = { type = "glass" }
 
 [[object]]
 type = "plane"
