@@ -11,6 +11,9 @@ use rondure_render::Job;
 
 use crate::{failure::Failure, output};
 
+/// The option that names it.
+const OPTION: &str = "--checkpoint";
+
 /// A checkpoint file that this process alone works on.
 #[derive(Debug)]
 pub(crate) struct Checkpoint {
@@ -23,11 +26,11 @@ pub(crate) struct Checkpoint {
 impl Checkpoint {
     /// Takes hold of a checkpoint.
     pub(crate) fn new(path: &Path) -> Result<Self, Failure> {
-        output::check_place(path, 0)?;
+        output::check_place(OPTION, path, 0)?;
         let mut lock_path = path.as_os_str().to_owned();
         lock_path.push(".lock");
         let lock_path = PathBuf::from(lock_path);
-        let unwritable = |error: io::Error| Failure::unwritable(&lock_path, &error);
+        let unwritable = |error: io::Error| Failure::unwritable_by(OPTION, &lock_path, &error);
         let lock = loop {
             let mut file = OpenOptions::new()
                 .read(true)
@@ -97,7 +100,7 @@ impl Checkpoint {
 
     /// Writes the sums so far.
     pub(crate) fn write(&self, share: &ShareRef<'_>) -> Result<(), Failure> {
-        output::write_share(&self.path, share)
+        output::write_share(OPTION, &self.path, share)
     }
 
     /// Takes the checkpoint away: it has done its service.

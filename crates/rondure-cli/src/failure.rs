@@ -64,11 +64,18 @@ impl Failure {
 
     /// A file that cannot be written.
     pub(crate) fn unwritable(path: &Path, error: &io::Error) -> Self {
+        Self::unwritable_by("-o", path, error)
+    }
+
+    /// A file, named by this option, that cannot be written.
+    pub(crate) fn unwritable_by(option: &str, path: &Path, error: &io::Error) -> Self {
         let help = match error.kind() {
-            io::ErrorKind::NotFound => "make the folder first, or choose another with -o",
-            _ => "choose another place with -o",
+            io::ErrorKind::NotFound => {
+                format!("make the folder first, or choose another with {option}")
+            }
+            _ => format!("choose another place with {option}"),
         };
-        Self::new(format!("cannot write `{}`: {}", path.display(), plain(error)), help)
+        Self::new(format!("cannot write `{}`: {}", path.display(), plain(error)), &help)
     }
 
     /// Standard output that cannot be written.

@@ -40,7 +40,7 @@ fn bits(text: &str) -> Result<u8, &'static str> {
 
 impl Merge {
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        let output = Output::new(self.output.clone())?;
+        let output = Output::new(self.output.clone(), "-o")?;
         let mut sum = Sum::default();
         for (i, path) in self.parts.iter().enumerate() {
             let share = Share::read(path).map_err(unreadable)?;

@@ -17,6 +17,8 @@ use crate::failure::Failure;
 pub(crate) struct Output {
     pub(crate) path: PathBuf,
     pub(crate) kind: Kind,
+    /// The option that named it.
+    option: &'static str,
 }
 
 /// What kind of file it is.
@@ -39,8 +41,8 @@ pub(crate) struct Look {
 const LARGEST_PROBE: u64 = 256 << 20;
 
 impl Output {
-    /// The kind is told by the extension.
-    pub(crate) fn new(path: PathBuf) -> Result<Self, Failure> {
+    /// A file that `option` named. The kind is told by the extension.
+    pub(crate) fn new(path: PathBuf, option: &'static str) -> Result<Self, Failure> {
         let extension = path.extension().and_then(OsStr::to_str).map(str::to_ascii_lowercase);
         let kind = match extension.as_deref() {
             Some("png") => Kind::Png,
@@ -53,7 +55,7 @@ impl Output {
                 return Err(Failure::new(title, help));
             }
         };
-        Ok(Self { path, kind })
+        Ok(Self { path, kind, option })
     }
 
     /// The layers that go into such a file.
@@ -68,7 +70,11 @@ impl Output {
             Kind::Exr => 76,
             Kind::Share => 200,
         };
-        check_place(&self.path, pixels.saturating_mul(bytes))
+        check_place(self.option, &self.path, pixels.saturating_mul(bytes))
+    }
+
+    fn unwritable(&self, error: &io::Error) -> Failure {
+        Failure::unwritable_by(self.option, &self.path, error)
     }
 
     /// Writes the file.
@@ -80,30 +86,30 @@ impl Output {
                     share.recipe.texts().map(|(name, value)| (format!("rondure:{name}"), value)),
                 );
                 picture.write_png(&self.path, look.bits).map_err(|e| match e {
-                    WriteError::Io { source, .. } => Failure::unwritable(&self.path, &source),
+                    WriteError::Io { source, .. } => self.unwritable(&source),
                     other => Failure::new(other, "choose another size or place"),
                 })
             }
             Kind::Exr => write_exr(&self.path, share.film, share.recipe).map_err(|e| match e {
-                ExrError::Io { source, .. } => Failure::unwritable(&self.path, &source),
+                ExrError::Io { source, .. } => self.unwritable(&source),
                 other => Failure::new(other, "choose another size or place"),
             }),
-            Kind::Share => write_share(&self.path, share),
+            Kind::Share => write_share(self.option, &self.path, share),
         }
     }
 }
 
-/// Writes a share.
-pub(crate) fn write_share(path: &Path, share: &ShareRef<'_>) -> Result<(), Failure> {
+/// Writes a share to a file that `option` named.
+pub(crate) fn write_share(option: &str, path: &Path, share: &ShareRef<'_>) -> Result<(), Failure> {
     share.write(path).map_err(|e| match e {
-        ShareError::Io { source, .. } => Failure::unwritable(path, &source),
+        ShareError::Io { source, .. } => Failure::unwritable_by(option, path, &source),
         other => Failure::new(other, "choose another place"),
     })
 }
 
-/// Makes sure that a file can be written, and that there is room for so many bytes, or for [`LARGEST_PROBE`].
-pub(crate) fn check_place(path: &Path, bytes: u64) -> Result<(), Failure> {
-    let unwritable = |error: io::Error| Failure::unwritable(path, &error);
+/// Makes sure that a file that `option` named can be written, and that there is room for so many bytes, or for [`LARGEST_PROBE`].
+pub(crate) fn check_place(option: &str, path: &Path, bytes: u64) -> Result<(), Failure> {
+    let unwritable = |error: io::Error| Failure::unwritable_by(option, path, &error);
     if path.is_dir() {
         return Err(unwritable(io::ErrorKind::IsADirectory.into()));
     }

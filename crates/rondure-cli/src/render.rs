@@ -297,7 +297,7 @@ impl Render {
                 return Err(Failure::new("the picture has no name", "give it one with -o OUT.png"));
             }
         };
-        let output = Output::new(path)?;
+        let output = Output::new(path, "-o")?;
         if self.part.is_some() && output.kind != Kind::Share {
             let title = format!("cannot write a part of a picture to `{}`", output.path.display());
             return Err(Failure::new(

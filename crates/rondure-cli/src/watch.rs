@@ -133,7 +133,7 @@ impl Progress for Watch<'_> {
 
 /// Where a preview goes: a picture that everything can show.
 pub(crate) fn preview(path: PathBuf) -> Result<Output, crate::failure::Failure> {
-    let output = Output::new(path)?;
+    let output = Output::new(path, "--preview")?;
     if output.kind == Kind::Png {
         return Ok(output);
     }

@@ -105,8 +105,15 @@ fn missing_text(parts: &Option<(Vec<u32>, u32)>, portions: &[Portion]) -> String
 #[derive(Debug, Default)]
 pub struct Merge {
     sum: Option<Share>,
-    /// The name of each share, with its part and what it has.
-    names: Vec<(String, Option<(u32, u32)>, Vec<Portion>)>,
+    added: Vec<Added>,
+}
+
+/// What is known of a share that was added.
+#[derive(Debug)]
+struct Added {
+    name: String,
+    part: Option<(u32, u32)>,
+    covered: Vec<Portion>,
 }
 
 impl Merge {
@@ -117,7 +124,7 @@ impl Merge {
     pub fn add(&mut self, name: &str, share: &Share) -> Result<(), MergeError> {
         let owned = || name.to_owned();
         if let Some(sum) = &self.sum {
-            let first = &self.names[0].0;
+            let first = &self.added[0].name;
             let foreign = |difference| MergeError::Foreign {
                 name: owned(),
                 first: first.clone(),
@@ -135,14 +142,11 @@ impl Merge {
                 return Err(foreign("it has other layers".to_owned()));
             }
         }
-        for (other, _, portions) in &self.names {
+        for other in &self.added {
             for ours in &share.covered {
-                if let Some(common) = portions.iter().find_map(|theirs| theirs.common(ours)) {
-                    return Err(MergeError::Doubled {
-                        name: owned(),
-                        other: other.clone(),
-                        common,
-                    });
+                if let Some(common) = other.covered.iter().find_map(|theirs| theirs.common(ours)) {
+                    let other = other.name.clone();
+                    return Err(MergeError::Doubled { name: owned(), other, common });
                 }
             }
         }
@@ -165,7 +169,8 @@ impl Merge {
         sum.film.merge(&share.film).map_err(film_error)?;
         sum.statistics.add(&share.statistics);
         sum.covered.extend_from_slice(&share.covered);
-        self.names.push((owned(), share.part, share.covered.clone()));
+        let (part, covered) = (share.part, share.covered.clone());
+        self.added.push(Added { name: owned(), part, covered });
         Ok(())
     }
 
@@ -195,8 +200,8 @@ impl Merge {
     fn missing_parts(&self) -> Option<(Vec<u32>, u32)> {
         let mut there = Vec::new();
         let mut all = None;
-        for (_, part, _) in &self.names {
-            let (number, of) = (*part)?;
+        for added in &self.added {
+            let (number, of) = added.part?;
             if *all.get_or_insert(of) != of {
                 return None;
             }

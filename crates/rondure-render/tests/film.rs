@@ -10,7 +10,14 @@ use common::{Build, WHITE, matte, scene};
 use rondure::Vec3;
 use rondure_film::{Film, Layers, Portion, Window};
 use rondure_render::{Job, Outcome, Progress, Settings, Snapshot, Work};
-use rondure_scene::{Glass, Lens, Light, Material, Paint, Projection, Scene, Shape};
+use rondure_scene::{Glass, Integrator, Lens, Light, Material, Paint, Projection, Scene, Shape};
+
+/// The same with all ways that light can go, photons among them.
+fn bright(width: u32, height: u32, spp: u32) -> Scene {
+    let mut scene = still(width, height, spp);
+    scene.film.integrator = Integrator::Path;
+    scene
+}
 
 /// A mirror, glass and a soft shadow, on a film that tiles do not divide.
 fn still(width: u32, height: u32, spp: u32) -> Scene {
@@ -42,18 +49,19 @@ fn finished(job: &Job<'_>, portion: Portion, edge: u32, threads: usize) -> Film 
 
 #[test]
 fn threads_and_tiles_change_no_bit() {
-    let scene = still(37, 21, 11);
-    let job = Job::new(&scene, &settings(), Layers::ALL).unwrap();
-    let film = finished(&job, job.whole(), 32, 1);
-    assert_eq!(film.samples(36, 20), 11);
-    for (edge, threads) in [(1, 2), (7, 1), (8, 2), (32, 2), (1000, 1), (u32::MAX, 2)] {
-        assert!(film == finished(&job, job.whole(), edge, threads), "{edge} {threads}");
+    for scene in [still(37, 21, 11), bright(37, 21, 3)] {
+        let job = Job::new(&scene, &settings(), Layers::ALL).unwrap();
+        let film = finished(&job, job.whole(), 32, 1);
+        assert_eq!(film.samples(36, 20), scene.film.spp);
+        for (edge, threads) in [(1, 2), (7, 1), (8, 2), (32, 2), (1000, 1), (u32::MAX, 2)] {
+            assert!(film == finished(&job, job.whole(), edge, threads), "{edge} {threads}");
+        }
     }
 }
 
 #[test]
 fn seven_parts_in_any_order_make_the_whole() {
-    let scene = still(23, 16, 19);
+    let scene = bright(23, 16, 19);
     let job = Job::new(&scene, &settings(), Layers::ALL).unwrap();
     let whole = job.whole();
     let film = finished(&job, whole.clone(), 32, 1);
