@@ -8,6 +8,7 @@ mod engine;
 mod failure;
 mod interrupt;
 mod json;
+mod look;
 mod measure;
 mod merge;
 mod output;

@@ -17,7 +17,9 @@ use exr::{
     },
 };
 
-use crate::{Film, Recipe, whole};
+use rondure_image::file::write_whole;
+
+use crate::{Film, Recipe};
 
 /// Why an OpenEXR file cannot be written or read.
 #[derive(Debug, thiserror::Error)]
@@ -155,7 +157,7 @@ pub fn write_exr(path: impl AsRef<Path>, film: &Film, recipe: &Recipe) -> Result
             chunks.on_progress(|_| {}).compress_all_blocks_parallel(&meta, blocks)
         })
     };
-    whole::write_whole(path, |out| fill(out).map_err(Fault)).map_err(|fault| fault.at(path))
+    write_whole(path, |out| fill(out).map_err(Fault)).map_err(|fault| fault.at(path))
 }
 
 /// What wrote a file.

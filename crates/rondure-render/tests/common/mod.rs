@@ -31,7 +31,6 @@ pub(crate) fn scene(
             width: size,
             height: size,
             spp,
-            depth: 8,
             integrator: Integrator::Whitted,
             ..Film::default()
         },

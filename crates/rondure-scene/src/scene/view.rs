@@ -4,6 +4,7 @@ use rondure::{Vec3, numeric::gamma};
 
 use crate::{
     Camera, Diagnostic, Film, FilterKind, Integrator, Lens, PixelFilter, Projection,
+    ViewTransform, WhiteBalance,
     decode::{Bounds, Context, SMALLEST, Table, Value},
 };
 
@@ -31,6 +32,8 @@ pub(super) fn film(table: Option<Table<'_>>) -> Film {
     let integrator = table.get("integrator").and_then(|v| v.choice("integrator", &INTEGRATORS));
     film.integrator = integrator.unwrap_or_default();
     film.filter = filter(&table);
+    film.view = table.get("view").and_then(|v| v.choice("view", &VIEWS)).unwrap_or(film.view);
+    film.white = white(&table);
     table.finish();
     film
 }
@@ -43,6 +46,28 @@ fn filter(table: &Table<'_>) -> PixelFilter {
     let filter = kind.map_or_else(PixelFilter::default, FilterKind::usual);
     let radius = table.get("filter_radius").and_then(|v| v.number(RADII));
     PixelFilter { radius: radius.unwrap_or(filter.radius), ..filter }
+}
+
+const VIEWS: [(&str, ViewTransform); 3] = [
+    ("srgb", ViewTransform::Srgb),
+    ("agx", ViewTransform::AgX),
+    ("neutral", ViewTransform::Neutral),
+];
+
+/// Colour temperatures that the loci of daylight and black bodies are known for.
+const TEMPERATURES: Bounds =
+    Bounds::new(|x| (1000.0..=25_000.0).contains(&x), "from 1000 to 25000 kelvin");
+const TINTS: Bounds = Bounds::new(|x| (-150.0..=150.0).contains(&x), "from -150 to 150");
+
+fn white(table: &Table<'_>) -> Option<WhiteBalance> {
+    let (temperature, tint) = (table.get("white_balance"), table.get("tint"));
+    if temperature.is_none() && tint.is_none() {
+        return None;
+    }
+    let white = WhiteBalance::default();
+    let temperature = temperature.map_or(Some(white.temperature), |v| v.number(TEMPERATURES));
+    let tint = tint.map_or(Some(white.tint), |v| v.number(TINTS));
+    Some(WhiteBalance { temperature: temperature?, tint: tint? })
 }
 
 fn size(value: &Value<'_>) -> Option<(u32, u32)> {
