@@ -4,6 +4,7 @@
 
 mod check;
 mod checkpoint;
+mod compare;
 mod engine;
 mod failure;
 mod interrupt;
@@ -14,6 +15,7 @@ mod merge;
 mod output;
 mod paper;
 mod part;
+mod picture;
 mod profile;
 mod progress;
 mod render;
@@ -41,6 +43,7 @@ enum Command {
     Check(check::Check),
     Trace(trace::Trace),
     Measure(measure::Measure),
+    Compare(compare::Compare),
     Paper(paper::Paper),
 }
 
@@ -50,10 +53,11 @@ Examples:
   rondure check scenes/*.toml                      read scenes, say what is wrong
   rondure trace goblet.path --rays rays.csv --all  print every hit of every ray
   rondure measure goblet.path --in cm              volume, centroid, what it holds
+  rondure compare new.png old.png                  how different two pictures are
 
 `rondure help render`, and so on, explains each command.
 Exit codes: 0 all went well, 1 something is wrong with an input or an output, 2 wrong usage,
-130 stopped by Ctrl-C.";
+3 what was compared differs by more than was allowed, 130 stopped by Ctrl-C.";
 
 fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
@@ -62,6 +66,7 @@ fn main() -> ExitCode {
         Command::Check(check) => check.run(),
         Command::Trace(trace) => trace.run(),
         Command::Measure(measure) => measure.run(),
+        Command::Compare(compare) => compare.run(),
         Command::Paper(paper) => paper.run(),
     };
     failure::exit_code(outcome)
