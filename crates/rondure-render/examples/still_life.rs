@@ -78,6 +78,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     });
     let scene = Scene {
         film: Film { spp, depth: 12, integrator: Integrator::Whitted, ..Film::default() },
+        keys: Vec::new(),
         camera: Camera {
             eye: Vec3::new(0.4, -4.2, 1.7),
             look_at: Vec3::new(0.05, 0.0, 0.62),

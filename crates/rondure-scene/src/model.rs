@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use rondure::{Instance, Vec3, solid::Sweep};
 
-use crate::{Body, Copies, Cut, Image, Motion, Paint, Relief, Section};
+use crate::{Body, Copies, Cut, Image, Key, Motion, Paint, Relief, Section};
 
 /// A linear colour or a radiance: red, green, blue.
 pub type Color = [f64; 3];
@@ -19,6 +19,8 @@ pub struct Scene {
     pub film: Film,
     /// The point of view.
     pub camera: Camera,
+    /// The way of the camera for an animation, in order of time; often empty.
+    pub keys: Vec<Key>,
     /// What rays see that hit nothing, and the light that comes from there.
     pub sky: Sky,
     /// The lights beside the sky.

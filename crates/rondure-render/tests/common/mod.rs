@@ -34,6 +34,7 @@ pub(crate) fn scene(
             integrator: Integrator::Whitted,
             ..Film::default()
         },
+        keys: Vec::new(),
         camera: Camera { eye, look_at, up, projection, lens: None },
         sky: BLACK,
         lights: Vec::new(),

@@ -1,12 +1,15 @@
 //! The film and the camera.
 
-use rondure::{Vec3, numeric::gamma};
+use rondure::Vec3;
 
 use crate::{
-    Camera, Diagnostic, Film, FilterKind, Integrator, Lens, PixelFilter, Projection,
+    Camera, Diagnostic, Film, FilterKind, Integrator, Key, Lens, PixelFilter, Projection,
     ViewTransform, WhiteBalance,
     decode::{Bounds, Context, SMALLEST, Table, Value},
+    journey::is_parallel,
 };
+
+use super::key;
 
 /// The most reflections and refractions: as many as the renderer follows.
 const DEEPEST: u32 = 200;
@@ -88,10 +91,10 @@ fn bits(value: &Value<'_>) -> Option<u8> {
 }
 
 /// Degrees between which the field of view lies.
-const FIELD_OF_VIEW: Bounds =
+pub(super) const FIELD_OF_VIEW: Bounds =
     Bounds::new(|x| x > 0.0 && x < 180.0, "more than 0 and less than 180 degrees");
 
-pub(super) fn camera(value: Option<Value<'_>>, cx: &Context<'_>) -> Option<Camera> {
+pub(super) fn camera(value: Option<Value<'_>>, cx: &Context<'_>) -> Option<(Camera, Vec<Key>)> {
     let Some(value) = value else {
         let help = "write a table [camera] with `eye = [x, y, z]` and `look_at = [x, y, z]`";
         cx.push(Diagnostic::error("the scene has no camera").help(help));
@@ -137,6 +140,7 @@ pub(super) fn camera(value: Option<Value<'_>>, cx: &Context<'_>) -> Option<Camer
         cx.push(warning.at(key, "all distances are in focus"));
     }
     check_view(&table, eye, look_at, up, cx);
+    let keys = table.get("key");
     table.finish();
     let (eye, look_at) = (eye?, look_at?);
     let projection = match kind? {
@@ -146,7 +150,9 @@ pub(super) fn camera(value: Option<Value<'_>>, cx: &Context<'_>) -> Option<Camer
     let lens = radius
         .filter(|r| *r > 0.0)
         .map(|radius| Lens { radius, focus: focus.unwrap_or((look_at - eye).length()) });
-    Some(Camera { eye, look_at, up: up?, projection, lens })
+    let camera = Camera { eye, look_at, up: up?, projection, lens };
+    let keys = key::keys(keys, &camera, focus);
+    Some((camera, keys))
 }
 
 fn check_view(
@@ -182,10 +188,4 @@ fn check_view(
             error.help("give an `up` that is not parallel to the line from `eye` to `look_at`"),
         );
     }
-}
-
-/// Whether two unit vectors are parallel as far as f64 can tell: each has been through up to eight
-/// roundings, and the cross product cancels what is left.
-fn is_parallel(a: Vec3, b: Vec3) -> bool {
-    a.cross(b).length() <= 2.0 * gamma(8)
 }
