@@ -7,6 +7,7 @@ mod checkpoint;
 mod compare;
 mod engine;
 mod failure;
+mod frames;
 mod interrupt;
 mod json;
 mod look;
@@ -43,6 +44,8 @@ enum Command {
     Check(check::Check),
     Trace(trace::Trace),
     Measure(measure::Measure),
+    Turntable(frames::Turntable),
+    Animate(frames::Animate),
     Compare(compare::Compare),
     Paper(paper::Paper),
 }
@@ -53,6 +56,7 @@ Examples:
   rondure check scenes/*.toml                      read scenes, say what is wrong
   rondure trace goblet.path --rays rays.csv --all  print every hit of every ray
   rondure measure goblet.path --in cm              volume, centroid, what it holds
+  rondure turntable scenes/rook.toml               frames and a film from all sides
   rondure compare new.png old.png                  how different two pictures are
 
 `rondure help render`, and so on, explains each command.
@@ -66,6 +70,8 @@ fn main() -> ExitCode {
         Command::Check(check) => check.run(),
         Command::Trace(trace) => trace.run(),
         Command::Measure(measure) => measure.run(),
+        Command::Turntable(turntable) => turntable.run(),
+        Command::Animate(animate) => animate.run(),
         Command::Compare(compare) => compare.run(),
         Command::Paper(paper) => paper.run(),
     };

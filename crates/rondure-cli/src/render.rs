@@ -110,9 +110,9 @@ const LONG: &str = "Long work";
 
 /// Pixels across and down.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Size {
-    width: u32,
-    height: u32,
+pub(crate) struct Size {
+    pub(crate) width: u32,
+    pub(crate) height: u32,
 }
 
 impl FromStr for Size {
@@ -330,7 +330,7 @@ impl Render {
     }
 }
 
-fn cannot_render(error: RenderError) -> Failure {
+pub(crate) fn cannot_render(error: RenderError) -> Failure {
     let help = match error {
         RenderError::Cancelled => return Failure::Interrupted,
         RenderError::TooLarge { .. } | RenderError::Film(_) => "choose a smaller --size",

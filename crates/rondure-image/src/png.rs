@@ -119,21 +119,23 @@ fn failed(path: &Path, error: EncodingError) -> WriteError {
     }
 }
 
-/// What stands before the pixels. `film` is the number of frames and how many hundredths of a second each is shown.
+/// What stands before the pixels. `film` is the number of frames and how many are shown in a second.
 fn header<W: Write>(
     out: W,
     width: u32,
     height: u32,
     depth: BitDepth,
     texts: &Texts,
-    film: Option<(u32, u16)>,
+    film: Option<(u32, f64)>,
 ) -> Result<png::Writer<W>, EncodingError> {
     let mut encoder = Encoder::new(out, width, height);
     encoder.set_color(ColorType::Rgb);
     encoder.set_depth(depth);
-    if let Some((frames, hundredths)) = film {
+    if let Some((frames, rate)) = film {
         encoder.set_animated(frames, 0)?;
-        encoder.set_frame_delay(hundredths, 100)?;
+        // A fraction of two u16, with a numerator that leaves the denominator its digits.
+        let numerator = if rate < 60.0 { 1000.0 } else { 100.0 };
+        encoder.set_frame_delay(numerator as u16, (numerator * rate).round() as u16)?;
     }
     // The values the PNG specification gives for readers that do not know the sRGB chunk.
     encoder.set_source_gamma(png::ScaledFloat::from_scaled(45_455));
@@ -161,7 +163,7 @@ fn header<W: Write>(
     Ok(writer)
 }
 
-/// Writes an animated PNG of frames of 8 bits that repeats for ever; programs that know no animation show the first frame.
+/// Writes an animated PNG of frames of 8 bits, `rate` of them a second (from 0.02 to 650), that repeats for ever; programs that know no animation show the first frame.
 /// `frames` gives the signals of one frame after the other, so that no more than one is in memory.
 ///
 /// # Errors
@@ -169,7 +171,7 @@ fn header<W: Write>(
 pub fn write_animation<E: From<WriteError>>(
     path: impl AsRef<Path>,
     [width, height]: [u32; 2],
-    hundredths: u16,
+    rate: f64,
     frames: impl ExactSizeIterator<Item = Result<Vec<u8>, E>>,
 ) -> Result<(), E> {
     enum Stop<E> {
@@ -188,7 +190,7 @@ pub fn write_animation<E: From<WriteError>>(
     }
     let path = path.as_ref();
     write_whole(path, |out| {
-        let film = Some((u32::try_from(frames.len()).unwrap_or(u32::MAX), hundredths));
+        let film = Some((u32::try_from(frames.len()).unwrap_or(u32::MAX), rate));
         let mut writer = header(out, width, height, BitDepth::Eight, &[], film)?;
         for frame in frames {
             writer.write_image_data(&frame.map_err(Stop::Theirs)?)?;
@@ -321,7 +323,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
         let frames: Vec<_> = (0..3).map(|i| Ok::<_, WriteError>(vec![i * 50; 4 * 2 * 3])).collect();
-        write_animation(&path, [4, 2], 8, frames.into_iter()).unwrap();
+        write_animation(&path, [4, 2], 12.5, frames.into_iter()).unwrap();
         let file = BufReader::new(File::open(&path).unwrap());
         let mut reader = png::Decoder::new(file).read_info().unwrap();
         let control = reader.info().animation_control.unwrap();
@@ -331,14 +333,14 @@ mod tests {
             reader.next_frame(&mut data).unwrap();
             assert_eq!(data, vec![i * 50; 4 * 2 * 3]);
             let control = reader.info().frame_control.unwrap();
-            assert_eq!((control.delay_num, control.delay_den), (8, 100));
+            assert_eq!((control.delay_num, control.delay_den), (1000, 12_500));
         }
         // A frame that fails leaves no file.
         fs::remove_file(&path).unwrap();
         let lost =
             || WriteError::Io { path: "frame".into(), source: io::ErrorKind::NotFound.into() };
         let frames = vec![Ok(vec![0; 24]), Err(lost())].into_iter();
-        let error = write_animation(&path, [4, 2], 8, frames).unwrap_err();
+        let error = write_animation(&path, [4, 2], 12.5, frames).unwrap_err();
         assert!(error.to_string().contains("frame") && !path.exists());
     }
 
