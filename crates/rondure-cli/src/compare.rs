@@ -7,14 +7,15 @@ use std::{
 
 use clap::Args;
 use rondure_image::{
-    Look, View, White,
     color_map::magma,
     error::{Comparison, compare},
     flip::PIXELS_PER_DEGREE,
     png::{self, Signals},
 };
 
-use crate::{failure::Failure, json::Json, picture};
+use rondure_scene::Film;
+
+use crate::{failure::Failure, json::Json, look::LookArgs, output::Shown, picture};
 
 /// Print how different a picture is from a reference
 #[derive(Debug, Args)]
@@ -35,6 +36,9 @@ pub(crate) struct Compare {
     /// How many pixels of the picture are in a degree of the field of view
     #[arg(long, value_name = "N", default_value_t = PIXELS_PER_DEGREE.round(), value_parser = density)]
     pixels_per_degree: f64,
+
+    #[command(flatten)]
+    look: LookArgs,
 
     /// Fail if the relative mean square error is larger
     #[arg(long, value_name = "X", value_parser = limit)]
@@ -59,6 +63,7 @@ What is printed:
   largest  difference of a channel, in linear light
   MSE      mean square of the differences, in linear light
   relMSE   mean of (picture - reference)² / (reference² + 0.01), in linear light
+           (of a PNG the light that its sRGB signals stand for, of an OpenEXR picture its values)
   PSNR     peak signal-to-noise ratio of what the screen shows, in sRGB
   FLIP     mean difference that is seen when one flips between the pictures, from 0 to 1
            (Andersson et al. 2020)
@@ -68,7 +73,7 @@ different sizes; 2 wrong usage; 3 more different than --max-relmse, --max-flip o
 
 Examples:
   rondure compare new.png old.png -o difference.png
-  rondure compare new.png old.png --max-flip 0.01 --json";
+  rondure compare new.exr old.exr --max-flip 0.01 --json";
 
 fn number(text: &str, good: impl Fn(f64) -> bool, what: &str) -> Result<f64, String> {
     text.parse().ok().filter(|x: &f64| x.is_finite() && good(*x)).ok_or_else(|| what.into())
@@ -88,7 +93,9 @@ impl Compare {
             picture::check_png_name(output)?;
         }
         let (a, b) = (picture::read(&self.picture)?, picture::read(&self.reference)?);
-        let look = Look::new(View::Srgb, 1.0, &White::default());
+        let mut film = Film::default();
+        self.look.apply(&mut film);
+        let look = Shown::of(&film)?.look;
         let compared = compare(&a, &b, &look, self.pixels_per_degree)
             .map_err(|error| Failure::new(error, "compare pictures of the same size"))?;
         if let Some(output) = &self.output {

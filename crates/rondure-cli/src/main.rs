@@ -5,6 +5,7 @@
 mod check;
 mod checkpoint;
 mod compare;
+mod denoise;
 mod engine;
 mod failure;
 mod frames;
@@ -47,6 +48,7 @@ enum Command {
     Turntable(frames::Turntable),
     Animate(frames::Animate),
     Compare(compare::Compare),
+    Denoise(denoise::Denoise),
     Paper(paper::Paper),
 }
 
@@ -57,6 +59,7 @@ Examples:
   rondure trace goblet.path --rays rays.csv --all  print every hit of every ray
   rondure measure goblet.path --in cm              volume, centroid, what it holds
   rondure turntable scenes/rook.toml               frames and a film from all sides
+  rondure denoise still-life.exr -o clean.png      take the noise out of a picture
   rondure compare new.png old.png                  how different two pictures are
 
 `rondure help render`, and so on, explains each command.
@@ -73,6 +76,7 @@ fn main() -> ExitCode {
         Command::Turntable(turntable) => turntable.run(),
         Command::Animate(animate) => animate.run(),
         Command::Compare(compare) => compare.run(),
+        Command::Denoise(denoise) => denoise.run(),
         Command::Paper(paper) => paper.run(),
     };
     failure::exit_code(outcome)

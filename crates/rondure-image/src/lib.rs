@@ -10,6 +10,7 @@
 )]
 
 pub mod color_map;
+pub mod denoise;
 pub mod error;
 pub mod file;
 pub mod flip;

@@ -49,7 +49,7 @@ impl Camera {
     /// The camera on its way along `keys`, which are in order of time: at the first before it, at the last after it. `None` without keys.
     pub fn between(keys: &[Key], time: f64) -> Option<Self> {
         let (first, last) = (keys.first()?, keys.last()?);
-        if !(time > first.time) {
+        if time <= first.time || time.is_nan() {
             return Some(first.camera.clone());
         }
         let after = keys.partition_point(|key| key.time <= time);
@@ -125,11 +125,9 @@ impl Span {
         // The harmonic mean, weighted by the lengths of both sides; level where the direction changes.
         let joint = |a: usize, b: usize, c: usize| {
             let (before, after) = (slope(a, b), slope(b, c));
-            if !(before * after > 0.0) {
-                return 0.0;
-            }
             let share = (1.0 + (t[c] - t[b]) / (t[c] - t[a])) / 3.0;
-            before * after / (share * after + (1.0 - share) * before)
+            let mean = before * after / (share * after + (1.0 - share) * before);
+            if before * after > 0.0 { mean } else { 0.0 }
         };
         let here = slope(1, 2);
         let start = if self.ends[0] { here } else { joint(0, 1, 2) };
