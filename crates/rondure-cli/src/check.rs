@@ -99,7 +99,7 @@ impl<'a> Contents<'a> {
 
 impl fmt::Display for Contents<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Scene { film, camera, sky, lights, materials, objects, section, reliefs: _ } =
+        let Scene { film, camera, keys, sky, lights, materials, objects, section, reliefs: _ } =
             self.scene;
         let projection = match camera.projection {
             Projection::Perspective { fov } => {
@@ -117,7 +117,11 @@ impl fmt::Display for Contents<'_> {
             film.bits
         )?;
         let lens = if camera.lens.is_some() { ", with a lens" } else { "" };
-        writeln!(f, "  camera     {projection}{lens}")?;
+        let way = match keys.len() {
+            0 => String::new(),
+            n => format!(", {}", count(n, "key")),
+        };
+        writeln!(f, "  camera     {projection}{lens}{way}")?;
         let number: u64 = objects.iter().map(|object| object.copies.count()).sum();
         writeln!(f, "  objects    {number}")?;
         if self.turned > 0 {

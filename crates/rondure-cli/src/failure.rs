@@ -15,10 +15,14 @@ pub(crate) enum Failure {
     Interrupted,
     /// Stopped by Ctrl-C, with what there is written.
     InterruptedAfter(String),
+    /// Two things that were compared differ by more than was allowed; which, has been said already.
+    Differ,
     /// Whoever reads our output has read enough, as `| head` does: no failure of ours.
     NobodyReads,
 }
 
+/// The exit code when what was compared differs by more than was allowed.
+const DIFFER: u8 = 3;
 /// The exit code after Ctrl-C, as shells have it: 128 and the number of the signal.
 pub(crate) const INTERRUPTED: u8 = 130;
 
@@ -36,7 +40,7 @@ impl Failure {
             Self::Report(text) => anstream::eprintln!("{text}"),
             Self::Interrupted => anstream::eprintln!("stopped; nothing has been written"),
             Self::InterruptedAfter(text) => anstream::eprintln!("{text}"),
-            Self::Reported | Self::NobodyReads => {}
+            Self::Reported | Self::Differ | Self::NobodyReads => {}
         }
     }
 
@@ -141,6 +145,7 @@ pub(crate) fn exit_code(outcome: Result<(), Failure>) -> ExitCode {
     match failure {
         Failure::NobodyReads => ExitCode::SUCCESS,
         Failure::Interrupted | Failure::InterruptedAfter(_) => ExitCode::from(INTERRUPTED),
+        Failure::Differ => ExitCode::from(DIFFER),
         Failure::Report(_) | Failure::Reported => ExitCode::FAILURE,
     }
 }

@@ -7,7 +7,8 @@ use rondure_film::{Merge as Sum, MergeError, Share, ShareError};
 
 use crate::{
     failure::Failure,
-    output::{Kind, Look, Output},
+    look::{LookArgs, film_of},
+    output::{Kind, Output, Shown},
 };
 
 /// Put parts of a picture together
@@ -28,6 +29,9 @@ pub(crate) struct Merge {
     /// Where to write the picture, a PNG or OpenEXR file, or the sum of the parts, an .rdf file
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
+
+    #[command(flatten)]
+    look: LookArgs,
 
     /// Bits in each channel of a PNG file
     #[arg(long, value_name = "N", default_value = "8", value_parser = bits)]
@@ -56,9 +60,10 @@ impl Merge {
         };
         // At least one part was asked for.
         let Some(sum) = sum else { return Ok(()) };
-        let exposure = sum.recipe.settings.iter().find(|(key, _)| key == "exposure");
-        let exposure = exposure.and_then(|(_, value)| value.parse().ok()).unwrap_or(1.0);
-        output.write(&sum.as_ref(), Look { exposure, bits: self.bits })
+        let mut film = film_of(&sum.recipe.settings);
+        film.bits = self.bits;
+        self.look.apply(&mut film);
+        output.write(&sum.as_ref(), &Shown::of(&film)?)
     }
 }
 

@@ -8,7 +8,9 @@ use std::{
 };
 
 use rondure_film::{ExrError, Layers, ShareError, ShareRef, write_exr};
-use rondure_render::{Picture, WriteError};
+use rondure_image::{Look, png};
+use rondure_render::{Picture, WriteError, look};
+use rondure_scene::Film;
 
 use crate::failure::Failure;
 
@@ -31,10 +33,20 @@ pub(crate) enum Kind {
 }
 
 /// How light is shown.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Look {
-    pub(crate) exposure: f64,
+#[derive(Clone, Debug)]
+pub(crate) struct Shown {
+    pub(crate) look: Look,
     pub(crate) bits: u8,
+}
+
+impl Shown {
+    /// As a film wants it.
+    pub(crate) fn of(film: &Film) -> Result<Self, Failure> {
+        let look = look(film).map_err(|error| {
+            Failure::new(error, "choose another temperature, or a tint nearer to 0")
+        })?;
+        Ok(Self { look, bits: film.bits })
+    }
 }
 
 /// The most that is written to see whether there is room, in bytes.
@@ -78,15 +90,17 @@ impl Output {
     }
 
     /// Writes the file.
-    pub(crate) fn write(&self, share: &ShareRef<'_>, look: Look) -> Result<(), Failure> {
+    pub(crate) fn write(&self, share: &ShareRef<'_>, shown: &Shown) -> Result<(), Failure> {
         match self.kind {
             Kind::Png => {
-                let mut picture = Picture::new(share.film, look.exposure, *share.statistics);
+                let mut picture = Picture::new(share.film, shown.look.clone(), *share.statistics);
                 picture.describe(
                     share.recipe.texts().map(|(name, value)| (format!("rondure:{name}"), value)),
                 );
-                picture.write_png(&self.path, look.bits).map_err(|e| match e {
-                    WriteError::Io { source, .. } => self.unwritable(&source),
+                picture.write_png(&self.path, shown.bits).map_err(|e| match e {
+                    WriteError::File(png::WriteError::Io { source, .. }) => {
+                        self.unwritable(&source)
+                    }
                     other => Failure::new(other, "choose another size or place"),
                 })
             }

@@ -19,7 +19,8 @@ use crate::{
     engine::EngineArgs,
     failure::Failure,
     interrupt,
-    output::{self, Kind, Look, Output},
+    look::{LookArgs, settings_of},
+    output::{self, Kind, Output, Shown},
     part::PartArgs,
     progress::{Watcher, seconds},
     scene,
@@ -65,6 +66,9 @@ pub(crate) struct Render {
     part: PartArgs,
 
     #[command(flatten)]
+    look: LookArgs,
+
+    #[command(flatten)]
     threads: Threads,
 
     #[command(flatten)]
@@ -106,9 +110,9 @@ const LONG: &str = "Long work";
 
 /// Pixels across and down.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Size {
-    width: u32,
-    height: u32,
+pub(crate) struct Size {
+    pub(crate) width: u32,
+    pub(crate) height: u32,
 }
 
 impl FromStr for Size {
@@ -128,7 +132,7 @@ impl Render {
         let scene = self.scene()?;
         let output = self.output()?;
         let recipe = self.recipe(&scene)?;
-        let look = Look { exposure: scene.film.exposure, bits: scene.film.bits };
+        let shown = Shown::of(&scene.film)?;
         let settings = Settings { threads: self.threads.number(), seed: self.seed };
         let job = Job::new(&scene, &settings, output.layers()).map_err(cannot_render)?;
         let portion = self.part.of(&job.whole())?;
@@ -148,7 +152,7 @@ impl Render {
         let before = work.snapshot().done();
         let (rays, start) = (*work.statistics(), Instant::now());
         let watcher = Watcher::new(self.quiet, &cancelled).after(before);
-        let mut watch = Watch::new(&watcher, &recipe, self.part.number(), look, self.long.every);
+        let mut watch = Watch::new(&watcher, &recipe, self.part.number(), &shown, self.long.every);
         watch.checkpoint = checkpoint.as_ref();
         watch.preview = preview.as_ref();
         watch.end = self.long.time.and_then(|time| start.checked_add(time));
@@ -167,7 +171,7 @@ impl Render {
         let share = watch.share(&state, &covered);
         self.tell_invalid(share.statistics);
         if outcome == Outcome::Finished {
-            self.write(&output, &share, look, checkpoint.as_ref())?;
+            self.write(&output, &share, &shown, checkpoint.as_ref())?;
             if let Some(checkpoint) = &checkpoint {
                 checkpoint.remove();
             }
@@ -185,7 +189,7 @@ impl Render {
         let first = Portion { window: portion.window, samples: whole };
         let shows = first.samples.end > first.samples.start && first.missing(&covered).is_empty();
         if shows || (output.kind == Kind::Share && !covered.is_empty()) {
-            self.write(&output, &share, look, checkpoint.as_ref())?;
+            self.write(&output, &share, &shown, checkpoint.as_ref())?;
             written.push(format!("{}, unfinished", output.path.display()));
         }
         let done = (100.0 * state.done()).floor();
@@ -210,6 +214,7 @@ impl Render {
         if let Some(spp) = self.spp {
             scene.film.spp = spp;
         }
+        self.look.apply(&mut scene.film);
         let engine = self.engine.options();
         if engine != EngineOptions::default() {
             scene.set_engine(&engine);
@@ -226,12 +231,13 @@ impl Render {
             ("version", env!("CARGO_PKG_VERSION").to_owned()),
             ("seed", self.seed.to_string()),
             ("depth", film.depth.to_string()),
-            ("exposure", film.exposure.to_string()),
             ("filter", film.filter.to_string()),
             ("integrator", format!("{:?}", film.integrator)),
             ("engine", self.engine.describe()),
         ];
-        let settings = settings.map(|(key, value)| (key.to_owned(), value)).into();
+        let shown = settings_of(film).map(|(key, value)| (key.to_owned(), value));
+        let settings = settings.map(|(key, value)| (key.to_owned(), value));
+        let settings = settings.into_iter().chain(shown).collect();
         Ok(Recipe { name, scene: digest, spp: film.spp, settings })
     }
 
@@ -261,10 +267,10 @@ impl Render {
         &self,
         output: &Output,
         share: &ShareRef<'_>,
-        look: Look,
+        shown: &Shown,
         checkpoint: Option<&Checkpoint>,
     ) -> Result<(), Failure> {
-        output.write(share, look).map_err(|failure| {
+        output.write(share, shown).map_err(|failure| {
             let kept = match checkpoint {
                 Some(checkpoint) if checkpoint.write(share).is_ok() => {
                     Some(checkpoint.path().to_owned())
@@ -324,7 +330,7 @@ impl Render {
     }
 }
 
-fn cannot_render(error: RenderError) -> Failure {
+pub(crate) fn cannot_render(error: RenderError) -> Failure {
     let help = match error {
         RenderError::Cancelled => return Failure::Interrupted,
         RenderError::TooLarge { .. } | RenderError::Film(_) => "choose a smaller --size",

@@ -11,7 +11,7 @@ use rondure_render::{Progress, Snapshot};
 
 use crate::{
     checkpoint::Checkpoint,
-    output::{Kind, Look, Output},
+    output::{Kind, Output, Shown},
     progress::Watcher,
 };
 
@@ -61,7 +61,7 @@ pub(crate) struct Watch<'a> {
     pub(crate) part: Option<(u32, u32)>,
     pub(crate) checkpoint: Option<&'a Checkpoint>,
     pub(crate) preview: Option<&'a Output>,
-    pub(crate) look: Look,
+    pub(crate) shown: &'a Shown,
     pub(crate) end: Option<Instant>,
     checkpoints: Mutex<Chore>,
     previews: Mutex<Chore>,
@@ -72,7 +72,7 @@ impl<'a> Watch<'a> {
         watcher: &'a Watcher<'a>,
         recipe: &'a Recipe,
         part: Option<(u32, u32)>,
-        look: Look,
+        shown: &'a Shown,
         every: Duration,
     ) -> Self {
         Self {
@@ -81,7 +81,7 @@ impl<'a> Watch<'a> {
             part,
             checkpoint: None,
             preview: None,
-            look,
+            shown,
             end: None,
             checkpoints: Chore::new(every, every).into(),
             previews: Chore::new(FIRST_PREVIEW, BETWEEN_PREVIEWS).into(),
@@ -126,7 +126,7 @@ impl Progress for Watch<'_> {
             });
         }
         if let (Some(preview), Ok(mut chore)) = (self.preview, self.previews.try_lock()) {
-            chore.run("a new preview", || preview.write(&self.share(so_far, &[]), self.look));
+            chore.run("a new preview", || preview.write(&self.share(so_far, &[]), self.shown));
         }
     }
 }

@@ -17,7 +17,9 @@ use exr::{
     },
 };
 
-use crate::{Film, Recipe, whole};
+use rondure_image::file::write_whole;
+
+use crate::{Film, Recipe};
 
 /// Why an OpenEXR file cannot be written or read.
 #[derive(Debug, thiserror::Error)]
@@ -117,12 +119,23 @@ fn text(text: &str) -> Text {
 /// # Errors
 /// If the disk says no; nothing is left behind then, and a file that was there before stays as it was.
 pub fn write_exr(path: impl AsRef<Path>, film: &Film, recipe: &Recipe) -> Result<(), ExrError> {
-    let path = path.as_ref();
     let channels = channels(film);
-    let [width, height] = film.size();
-    let descriptions = channels
+    let names: Vec<_> = channels.iter().map(|(name, _)| *name).collect();
+    let value = |channel: usize, x, y| value(film, x, y, channels[channel].1);
+    write_channels(path.as_ref(), film.size(), &names, &recipe.lines(), value)
+}
+
+/// Writes channels, whose names are in order, row by row.
+fn write_channels(
+    path: &Path,
+    [width, height]: [u32; 2],
+    names: &[&str],
+    comments: &str,
+    value: impl Fn(usize, u32, u32) -> f32,
+) -> Result<(), ExrError> {
+    let descriptions = names
         .iter()
-        .map(|(name, _)| ChannelDescription::new(text(name), SampleType::F32, false))
+        .map(|name| ChannelDescription::new(text(name), SampleType::F32, false))
         .collect();
     let size = (width as usize, height as usize);
     let mut header = Header::new(text(""), size, descriptions).with_encoding(
@@ -132,7 +145,7 @@ pub fn write_exr(path: impl AsRef<Path>, film: &Film, recipe: &Recipe) -> Result
     );
     header.own_attributes.layer_name = None;
     header.own_attributes.software_name = Some(text(SOFTWARE));
-    header.own_attributes.comments = Some(text(&recipe.lines()));
+    header.own_attributes.comments = Some(text(comments));
     header.shared_attributes.chromaticities = Some(Chromaticities {
         red: exr::math::Vec2(0.64, 0.33),
         green: exr::math::Vec2(0.3, 0.6),
@@ -144,10 +157,9 @@ pub fn write_exr(path: impl AsRef<Path>, film: &Film, recipe: &Recipe) -> Result
             let blocks = meta.collect_ordered_blocks(|index| {
                 UncompressedBlock::from_lines(&meta.headers[0].channels, index, |line| {
                     let at = line.location;
-                    let shows = channels[at.channel].1;
                     let (x, y) = (at.position.x() as u32, at.position.y() as u32);
                     for (i, bytes) in line.value.chunks_exact_mut(4).enumerate() {
-                        let v = value(film, x + i as u32, y, shows);
+                        let v = value(at.channel, x + i as u32, y);
                         bytes.copy_from_slice(&v.to_ne_bytes());
                     }
                 })
@@ -155,7 +167,7 @@ pub fn write_exr(path: impl AsRef<Path>, film: &Film, recipe: &Recipe) -> Result
             chunks.on_progress(|_| {}).compress_all_blocks_parallel(&meta, blocks)
         })
     };
-    whole::write_whole(path, |out| fill(out).map_err(Fault)).map_err(|fault| fault.at(path))
+    write_whole(path, |out| fill(out).map_err(Fault)).map_err(|fault| fault.at(path))
 }
 
 /// What wrote a file.
@@ -209,6 +221,32 @@ impl ExrPicture {
     /// The values of a channel.
     pub fn channel(&self, name: &str) -> Option<&[f32]> {
         self.channels.iter().find(|(n, _)| n == name).map(|(_, values)| values.as_slice())
+    }
+
+    /// The line `name = value` of the comment, if it has one: the settings of pictures that Rondure made.
+    pub fn setting(&self, name: &str) -> Option<&str> {
+        let lines = self.comments.lines().filter_map(|line| line.split_once(" = "));
+        lines.clone().find(|(key, _)| *key == name).map(|(_, value)| value)
+    }
+
+    /// Writes all channels and the comment, in 32-bit floats.
+    ///
+    /// # Errors
+    /// If the channels do not have the picture's size, or the disk says no; nothing is left behind then, and a file that was there before stays
+    /// as it was.
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), ExrError> {
+        let path = path.as_ref();
+        let pixels = u64::from(self.size[0]) * u64::from(self.size[1]);
+        if let Some((name, _)) = self.channels.iter().find(|(_, v)| v.len() as u64 != pixels) {
+            let reason = format!("channel {name} has not as many values as the picture");
+            return Err(ExrError::Invalid { path: path.to_owned(), reason });
+        }
+        let mut channels: Vec<_> = self.channels.iter().collect();
+        channels.sort_by_key(|(name, _)| name);
+        let names: Vec<_> = channels.iter().map(|(name, _)| name.as_str()).collect();
+        let width = self.size[0] as usize;
+        let value = |channel: usize, x, y| channels[channel].1[y as usize * width + x as usize];
+        write_channels(path, self.size, &names, &self.comments, value)
     }
 
     /// Reads the first part of a file; its first level, if it has several.
@@ -273,6 +311,27 @@ mod tests {
     fn recipe() -> Recipe {
         let settings = vec![("seed".to_owned(), "3".to_owned())];
         Recipe { name: "kännchen.toml".to_owned(), scene: [0xab; 32], spp: 3, settings }
+    }
+
+    #[test]
+    fn what_was_read_can_be_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.exr");
+        write_exr(&path, &film(33, 17, Layers::ALL), &recipe()).unwrap();
+        let mut picture = ExrPicture::read(&path).unwrap();
+        assert_eq!((picture.setting("seed"), picture.setting("sead")), (Some("3"), None));
+        picture.channels[0].1[5] = f32::NAN;
+        picture.channels[1].1[5] = -7.25;
+        picture.write(&path).unwrap();
+        let again = ExrPicture::read(&path).unwrap();
+        assert!(again.channels[0].1[5].is_nan());
+        picture.channels[0].1[5] = 0.0;
+        let mut same = again.clone();
+        same.channels[0].1[5] = 0.0;
+        assert_eq!(same, picture);
+        picture.channels[2].1.pop();
+        assert!(matches!(picture.write(&path), Err(ExrError::Invalid { .. })));
+        assert_eq!(ExrPicture::read(&path).unwrap().channels.len(), again.channels.len());
     }
 
     #[test]

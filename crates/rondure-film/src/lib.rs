@@ -14,7 +14,6 @@ mod share;
 mod share_file;
 mod statistics;
 mod sum;
-mod whole;
 mod window;
 
 pub use exr::{ExrError, ExrPicture, write_exr};

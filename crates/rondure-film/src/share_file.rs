@@ -11,9 +11,9 @@ use std::{
 
 use sha2::{Digest, Sha256};
 
-use crate::{
-    Center, Film, FilmError, Layers, Portion, Recipe, Share, Statistics, Sum, Window, whole,
-};
+use rondure_image::file::write_whole;
+
+use crate::{Center, Film, FilmError, Layers, Portion, Recipe, Share, Statistics, Sum, Window};
 
 const MAGIC: [u8; 8] = *b"RONDURE\x1a";
 /// The version of the format.
@@ -112,7 +112,7 @@ impl ShareRef<'_> {
     /// If the disk says no; nothing is left behind then, and a file that was there before stays as it was.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), ShareError> {
         let path = path.as_ref();
-        whole::write_whole(path, |out| self.fill(out))
+        write_whole(path, |out| self.fill(out))
             .map_err(|source| ShareError::Io { path: path.to_owned(), source })
     }
 

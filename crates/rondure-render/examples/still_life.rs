@@ -77,14 +77,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         section: Cut::default(),
     });
     let scene = Scene {
-        film: Film {
-            width: 800,
-            height: 600,
-            spp,
-            depth: 12,
-            integrator: Integrator::Whitted,
-            ..Film::default()
-        },
+        film: Film { spp, depth: 12, integrator: Integrator::Whitted, ..Film::default() },
+        keys: Vec::new(),
         camera: Camera {
             eye: Vec3::new(0.4, -4.2, 1.7),
             look_at: Vec3::new(0.05, 0.0, 0.62),

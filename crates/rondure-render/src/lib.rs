@@ -6,7 +6,7 @@
 //! The light goes this way: `sampler`, `filter` and `camera` make a ray; `world` finds what it meets, through
 //! `things`, `bodies` and `shape`; `integrator` adds up the light there from `light` by the laws of `finish`,
 //! `coat` and `fresnel`; `job` gathers the samples of a tile, `work` the tiles,
-//! and `tone` and `picture` make a file of them.
+//! and `look` and `picture` make a file of them.
 
 #![allow(
     clippy::neg_cmp_op_on_partial_ord,
@@ -27,6 +27,7 @@ mod gather;
 mod integrator;
 mod job;
 mod light;
+mod look;
 mod optics;
 mod path;
 mod picture;
@@ -35,12 +36,12 @@ mod sampler;
 mod shape;
 mod texture;
 mod things;
-mod tone;
 mod warp;
 mod work;
 mod world;
 
 pub use job::{Job, Prepared, TileSums};
+pub use look::look;
 pub use picture::{Picture, WriteError};
 pub use render::{Progress, RenderError, Settings, render};
 pub use rondure_film::Statistics;

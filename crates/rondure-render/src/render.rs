@@ -3,11 +3,13 @@
 use core::ops::Range;
 
 use rondure_film::{FilmError, Layers};
+use rondure_image::WhiteError;
 use rondure_scene::Scene;
 
 use crate::{
     Picture,
     job::Job,
+    look::look,
     work::{Outcome, Snapshot, Work},
 };
 
@@ -127,6 +129,9 @@ pub enum RenderError {
     /// There are too many objects.
     #[error("a scene can have at most 2 billion objects and lights: {0}")]
     TooManyObjects(#[from] rondure::bvh::TooManyItems),
+    /// No light has the colour that is to look white.
+    #[error(transparent)]
+    White(#[from] WhiteError),
     /// The threads could not be started.
     #[error("cannot start the threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
@@ -141,10 +146,11 @@ pub fn render(
     settings: &Settings,
     progress: &dyn Progress,
 ) -> Result<Picture, RenderError> {
+    let look = look(&scene.film)?;
     let job = Job::new(scene, settings, Layers::default())?;
     let mut work = Work::new(&job, job.whole())?;
     match work.run(&job, settings.threads, progress)? {
-        Outcome::Finished => Ok(Picture::new(work.film(), scene.film.exposure, *work.statistics())),
+        Outcome::Finished => Ok(Picture::new(work.film(), look, *work.statistics())),
         Outcome::Stopped => Err(RenderError::Cancelled),
     }
 }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use rondure::{Instance, Vec3, solid::Sweep};
 
-use crate::{Body, Copies, Cut, Image, Motion, Paint, Relief, Section};
+use crate::{Body, Copies, Cut, Image, Key, Motion, Paint, Relief, Section};
 
 /// A linear colour or a radiance: red, green, blue.
 pub type Color = [f64; 3];
@@ -19,6 +19,8 @@ pub struct Scene {
     pub film: Film,
     /// The point of view.
     pub camera: Camera,
+    /// The way of the camera for an animation, in order of time; often empty.
+    pub keys: Vec<Key>,
     /// What rays see that hit nothing, and the light that comes from there.
     pub sky: Sky,
     /// The lights beside the sky.
@@ -53,6 +55,10 @@ pub struct Film {
     pub integrator: Integrator,
     /// How the light of a place in the picture counts for the pixels near it.
     pub filter: PixelFilter,
+    /// How light of any strength becomes what a screen can show.
+    pub view: ViewTransform,
+    /// The light that shall look white; `None` if white shall.
+    pub white: Option<WhiteBalance>,
 }
 
 /// What a scene has that says nothing of its film.
@@ -67,6 +73,8 @@ impl Default for Film {
             exposure: 1.0,
             integrator: Integrator::default(),
             filter: PixelFilter::default(),
+            view: ViewTransform::Srgb,
+            white: None,
         }
     }
 }
@@ -126,6 +134,33 @@ impl core::fmt::Display for PixelFilter {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         let name = FilterKind::ALL.iter().find(|(_, kind)| *kind == self.kind);
         write!(f, "{} {}", name.map_or("", |(name, _)| name), self.radius)
+    }
+}
+
+/// How light of any strength becomes what a screen can show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ViewTransform {
+    /// What is brighter than white is cut off.
+    Srgb,
+    /// AgX, as in Blender 4.
+    AgX,
+    /// The Khronos PBR Neutral tone mapper.
+    Neutral,
+}
+
+/// The colour of a light that shall look white.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WhiteBalance {
+    /// Its colour temperature, in kelvin.
+    pub temperature: f64,
+    /// How much greener it is than its temperature has it, in steps of 1/3000 in the (u, v) of CIE 1960.
+    pub tint: f64,
+}
+
+/// The white of sRGB, D65.
+impl Default for WhiteBalance {
+    fn default() -> Self {
+        Self { temperature: 6504.0, tint: 0.0 }
     }
 }
 

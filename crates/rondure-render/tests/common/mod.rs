@@ -31,10 +31,10 @@ pub(crate) fn scene(
             width: size,
             height: size,
             spp,
-            depth: 8,
             integrator: Integrator::Whitted,
             ..Film::default()
         },
+        keys: Vec::new(),
         camera: Camera { eye, look_at, up, projection, lens: None },
         sky: BLACK,
         lights: Vec::new(),

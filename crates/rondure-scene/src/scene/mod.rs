@@ -1,5 +1,6 @@
 //! Scene files: TOML to a typed [`Scene`]. `docs/scene.md` is the reference of the format.
 
+mod key;
 mod light;
 mod material;
 mod object;
@@ -91,7 +92,8 @@ fn decode<'a>(cx: &'a Context<'a>, document: &'a DeTable<'a>, folder: &Path) -> 
         }
     }
     let (materials, reliefs) = materials.finish();
-    Some(Scene { film, camera: camera?, sky, lights, objects, materials, reliefs, section })
+    let (camera, keys) = camera?;
+    Some(Scene { film, camera, keys, sky, lights, objects, materials, reliefs, section })
 }
 
 /// A table of the scene that may be missing.

@@ -1,11 +1,15 @@
 //! The film and the camera.
 
-use rondure::{Vec3, numeric::gamma};
+use rondure::Vec3;
 
 use crate::{
-    Camera, Diagnostic, Film, FilterKind, Integrator, Lens, PixelFilter, Projection,
+    Camera, Diagnostic, Film, FilterKind, Integrator, Key, Lens, PixelFilter, Projection,
+    ViewTransform, WhiteBalance,
     decode::{Bounds, Context, SMALLEST, Table, Value},
+    journey::is_parallel,
 };
+
+use super::key;
 
 /// The most reflections and refractions: as many as the renderer follows.
 const DEEPEST: u32 = 200;
@@ -31,6 +35,8 @@ pub(super) fn film(table: Option<Table<'_>>) -> Film {
     let integrator = table.get("integrator").and_then(|v| v.choice("integrator", &INTEGRATORS));
     film.integrator = integrator.unwrap_or_default();
     film.filter = filter(&table);
+    film.view = table.get("view").and_then(|v| v.choice("view", &VIEWS)).unwrap_or(film.view);
+    film.white = white(&table);
     table.finish();
     film
 }
@@ -43,6 +49,28 @@ fn filter(table: &Table<'_>) -> PixelFilter {
     let filter = kind.map_or_else(PixelFilter::default, FilterKind::usual);
     let radius = table.get("filter_radius").and_then(|v| v.number(RADII));
     PixelFilter { radius: radius.unwrap_or(filter.radius), ..filter }
+}
+
+const VIEWS: [(&str, ViewTransform); 3] = [
+    ("srgb", ViewTransform::Srgb),
+    ("agx", ViewTransform::AgX),
+    ("neutral", ViewTransform::Neutral),
+];
+
+/// Colour temperatures that the loci of daylight and black bodies are known for.
+const TEMPERATURES: Bounds =
+    Bounds::new(|x| (1000.0..=25_000.0).contains(&x), "from 1000 to 25000 kelvin");
+const TINTS: Bounds = Bounds::new(|x| (-150.0..=150.0).contains(&x), "from -150 to 150");
+
+fn white(table: &Table<'_>) -> Option<WhiteBalance> {
+    let (temperature, tint) = (table.get("white_balance"), table.get("tint"));
+    if temperature.is_none() && tint.is_none() {
+        return None;
+    }
+    let white = WhiteBalance::default();
+    let temperature = temperature.map_or(Some(white.temperature), |v| v.number(TEMPERATURES));
+    let tint = tint.map_or(Some(white.tint), |v| v.number(TINTS));
+    Some(WhiteBalance { temperature: temperature?, tint: tint? })
 }
 
 fn size(value: &Value<'_>) -> Option<(u32, u32)> {
@@ -63,10 +91,10 @@ fn bits(value: &Value<'_>) -> Option<u8> {
 }
 
 /// Degrees between which the field of view lies.
-const FIELD_OF_VIEW: Bounds =
+pub(super) const FIELD_OF_VIEW: Bounds =
     Bounds::new(|x| x > 0.0 && x < 180.0, "more than 0 and less than 180 degrees");
 
-pub(super) fn camera(value: Option<Value<'_>>, cx: &Context<'_>) -> Option<Camera> {
+pub(super) fn camera(value: Option<Value<'_>>, cx: &Context<'_>) -> Option<(Camera, Vec<Key>)> {
     let Some(value) = value else {
         let help = "write a table [camera] with `eye = [x, y, z]` and `look_at = [x, y, z]`";
         cx.push(Diagnostic::error("the scene has no camera").help(help));
@@ -112,6 +140,7 @@ pub(super) fn camera(value: Option<Value<'_>>, cx: &Context<'_>) -> Option<Camer
         cx.push(warning.at(key, "all distances are in focus"));
     }
     check_view(&table, eye, look_at, up, cx);
+    let keys = table.get("key");
     table.finish();
     let (eye, look_at) = (eye?, look_at?);
     let projection = match kind? {
@@ -121,7 +150,9 @@ pub(super) fn camera(value: Option<Value<'_>>, cx: &Context<'_>) -> Option<Camer
     let lens = radius
         .filter(|r| *r > 0.0)
         .map(|radius| Lens { radius, focus: focus.unwrap_or((look_at - eye).length()) });
-    Some(Camera { eye, look_at, up: up?, projection, lens })
+    let camera = Camera { eye, look_at, up: up?, projection, lens };
+    let keys = key::keys(keys, &camera, focus);
+    Some((camera, keys))
 }
 
 fn check_view(
@@ -157,10 +188,4 @@ fn check_view(
             error.help("give an `up` that is not parallel to the line from `eye` to `look_at`"),
         );
     }
-}
-
-/// Whether two unit vectors are parallel as far as f64 can tell: each has been through up to eight
-/// roundings, and the cross product cancels what is left.
-fn is_parallel(a: Vec3, b: Vec3) -> bool {
-    a.cross(b).length() <= 2.0 * gamma(8)
 }

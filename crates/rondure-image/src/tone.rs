@@ -1,14 +1,19 @@
-//! From linear light to the numbers in a file: exposure, the sRGB curve, rounding with a dither.
+//! From linear light to the numbers in a file and back: the sRGB curve, rounding with a dither.
 
 /// The sRGB transfer curve (IEC 61966-2-1), from linear light to a signal, both 0 to 1.
-pub(crate) fn srgb(linear: f64) -> f64 {
+pub fn srgb(linear: f64) -> f64 {
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+}
+
+/// The way back: from a signal to linear light, both 0 to 1.
+pub fn linear(signal: f64) -> f64 {
+    if signal <= 0.040_45 { signal / 12.92 } else { ((signal + 0.055) / 1.055).powf(2.4) }
 }
 
 /// A threshold between 0 and 1 for each pixel, neighbours as different as can be: the additive
 /// recurrence of the plastic number in two dimensions, folded to a triangle so that it has no edge
 /// (Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences").
-pub(crate) fn threshold(x: u32, y: u32) -> f64 {
+pub fn threshold(x: u32, y: u32) -> f64 {
     let place = 0.754_877_666_246_692_8 * f64::from(x) + 0.569_840_290_998_053_2 * f64::from(y);
     let wave = place.fract();
     let folded = if wave < 0.5 { 2.0 * wave } else { 2.0 - 2.0 * wave };
@@ -19,7 +24,7 @@ pub(crate) fn threshold(x: u32, y: u32) -> f64 {
 /// The signal as a whole number up to `max`, rounded up where its fraction exceeds 1 - `threshold`:
 /// right on average over an area, where plain rounding would leave bands. Values that are whole
 /// already stay what they are.
-pub(crate) fn quantize(linear: f64, max: f64, threshold: f64) -> f64 {
+pub fn quantize(linear: f64, max: f64, threshold: f64) -> f64 {
     (srgb(linear.clamp(0.0, 1.0)) * max + threshold).floor().min(max)
 }
 
@@ -35,6 +40,14 @@ mod tests {
         assert!((srgb(0.18) - 0.461_356).abs() < 1e-6);
         let (below, above) = (srgb(0.003_130_8), srgb(0.003_130_9));
         assert!((below - above).abs() < 1e-5);
+    }
+
+    #[test]
+    fn curve_goes_back() {
+        for i in 0..=255 {
+            let signal = f64::from(i) / 255.0;
+            assert!((srgb(linear(signal)) - signal).abs() < 1e-7, "{signal}");
+        }
     }
 
     #[test]

@@ -1,0 +1,113 @@
+//! `rondure denoise`: from a picture with layers to a clean one.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on fails")]
+
+mod common;
+
+use std::fmt::Write;
+
+use common::Desk;
+
+const SCENE: &str = r#"
+[film]
+size = [48, 32]
+spp = 4
+view = "neutral"
+
+[camera]
+eye = [0, -5, 2]
+look_at = [0, 0, 0.5]
+fov = 30
+
+[sky]
+zenith = "steelblue"
+horizon = "white"
+intensity = 0.3
+
+[[light]]
+type = "disk"
+position = [4, -4, 6]
+look_at = [0, 0, 0]
+radius = 2
+intensity = 4
+
+[[object]]
+profile = { path = "M 0 0 L 1 0 L 0 1.5 Z" }
+material = { color = "tomato" }
+
+[[object]]
+type = "plane"
+material = { color = "wheat" }
+"#;
+
+fn relative_error(desk: &Desk, picture: &str) -> f64 {
+    let outcome = desk.run(&format!("compare {picture} reference.exr --json"));
+    assert_eq!(outcome.code, 0, "{}", outcome.stderr);
+    let line = outcome.stdout.lines().find(|line| line.contains("\"relmse\"")).unwrap();
+    line.trim().trim_end_matches(',').split_once(": ").unwrap().1.parse().unwrap()
+}
+
+#[test]
+fn there_is_less_noise_and_the_layers_stay() {
+    let desk = Desk::new();
+    desk.file("scene.toml", SCENE);
+    let run = |arguments: &str| {
+        let outcome = desk.run(arguments);
+        assert_eq!(outcome.code, 0, "{arguments}: {}", outcome.stderr);
+    };
+    run("render scene.toml -o noisy.exr");
+    run("render scene.toml -o reference.exr --spp 256 --seed 5");
+    run("denoise noisy.exr");
+    let (before, after) =
+        (relative_error(&desk, "noisy.exr"), relative_error(&desk, "noisy-denoised.exr"));
+    assert!(after < 0.5 * before, "{before} {after}");
+    // Again, on one thread, into another file: the same bits.
+    run("denoise noisy.exr --threads 1 -o again.exr");
+    run("compare again.exr noisy-denoised.exr --exact");
+    // The PNG has the scene's view, and says where it is from.
+    run("denoise noisy.exr -o clean.png");
+    run("denoise noisy.exr -o neutral.png --view neutral --bits 16");
+    run("denoise noisy.exr -o srgb.png --view srgb");
+    run("compare clean.png neutral.png --max-relmse 1e-3");
+    assert_eq!(desk.run("compare clean.png srgb.png --max-relmse 1e-3").code, 3);
+    let file = std::io::BufReader::new(std::fs::File::open(desk.path("clean.png")).unwrap());
+    let mut reader = png::Decoder::new(file).read_info().unwrap();
+    reader.finish().unwrap();
+    let texts = &reader.info().uncompressed_latin1_text;
+    let has = |key: &str| texts.iter().any(|text| text.keyword == key);
+    assert!(has("rondure:denoised") && has("rondure:scene") && has("rondure:view"));
+    // What was denoised has its layers still, and can be denoised again.
+    run("denoise noisy-denoised.exr -o twice.exr");
+}
+
+#[test]
+fn bad_input() {
+    let desk = Desk::new();
+    desk.file("scene.toml", SCENE);
+    assert_eq!(desk.run("render scene.toml -o good.exr --size 8x8").code, 0);
+    assert_eq!(desk.run("render scene.toml -o one.exr --size 8x8 --spp 1").code, 0);
+    let good = std::fs::read(desk.path("good.exr")).unwrap();
+    desk.file("cut.exr", &good[..good.len() / 2]).file("text.exr", "no picture");
+    desk.file("folder.exr/file", "");
+    let mut gallery = String::new();
+    for (arguments, code) in [
+        ("denoise none.exr", 1),
+        ("denoise cut.exr", 1),
+        ("denoise text.exr", 1),
+        ("denoise folder.exr", 1),
+        ("denoise one.exr", 1),
+        ("denoise good.exr -o part.rdf", 1),
+        ("denoise good.exr -o clean.jpg", 1),
+        ("denoise good.exr -o no/clean.png", 1),
+        ("denoise good.exr -o clean.png --white-balance 1500 --tint 100", 1),
+        ("denoise good.exr -o clean.png --bits 12", 2),
+        ("denoise good.exr --white-balance 10", 2),
+        ("denoise", 2),
+        ("compare good.exr cut.exr", 1),
+    ] {
+        let outcome = desk.run(arguments);
+        assert_eq!(outcome.code, code, "{arguments}: {}", outcome.stderr);
+        writeln!(gallery, "$ rondure {arguments}\n{}\n", outcome.stderr.trim_end()).unwrap();
+    }
+    insta::assert_snapshot!(gallery);
+}
