@@ -96,6 +96,7 @@ fn compare(options: &Options) -> Result<(), Box<dyn Error>> {
             runs.push([run(&mut pov)?, run(&mut own)?]);
         }
         scenes.scene.film.spp = spp;
+        scenes.scene.film.integrator = rondure_scene::Integrator::Whitted;
         let counted = rondure_render::render(&scenes.scene, &Settings::default(), &())?;
         print_table(spp, &runs, counted.statistics());
         let [a, b] = [Picture::read(&pictures[0])?, Picture::read(&pictures[1])?];
@@ -132,6 +133,8 @@ fn write_scenes(options: &Options) -> Result<Scenes, Box<dyn Error>> {
 fn rondure_command(program: &Path, scenes: &Scenes, picture: &Path, spp: u32) -> Command {
     let mut command = Command::new(program);
     command.arg("render").arg(&scenes.rondure).arg("-o").arg(picture);
+    // What POV-Ray does, too.
+    command.args(["--integrator", "whitted"]);
     let (width, height) = scenes.size();
     command.args(["--size".into(), format!("{width}x{height}")]);
     command.args(["--spp".into(), spp.to_string()]);

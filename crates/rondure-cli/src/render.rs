@@ -12,7 +12,7 @@ use clap::Args;
 use rondure::EngineOptions;
 use rondure_film::{Portion, Recipe, ShareRef, Statistics};
 use rondure_render::{Job, Outcome, RenderError, Settings, Work};
-use rondure_scene::{Scene, scene_digest};
+use rondure_scene::{Integrator, Scene, scene_digest};
 
 use crate::{
     checkpoint::Checkpoint,
@@ -58,6 +58,10 @@ pub(crate) struct Render {
     /// How many samples to take in each pixel, instead of the scene's number
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     spp: Option<u32>,
+
+    /// How to follow light, instead of as the scene says: on all its ways, or for a quick look
+    #[arg(long, value_name = "path|whitted", value_parser = integrator)]
+    integrator: Option<Integrator>,
 
     #[command(flatten)]
     long: LongArgs,
@@ -107,6 +111,14 @@ struct LongArgs {
 }
 
 const LONG: &str = "Long work";
+
+fn integrator(name: &str) -> Result<Integrator, &'static str> {
+    match name {
+        "path" => Ok(Integrator::Path),
+        "whitted" => Ok(Integrator::Whitted),
+        _ => Err("there are `path` and `whitted`"),
+    }
+}
 
 /// Pixels across and down.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -214,6 +226,7 @@ impl Render {
         if let Some(spp) = self.spp {
             scene.film.spp = spp;
         }
+        scene.film.integrator = self.integrator.unwrap_or(scene.film.integrator);
         self.look.apply(&mut scene.film);
         let engine = self.engine.options();
         if engine != EngineOptions::default() {

@@ -113,6 +113,11 @@ fn text(text: &str) -> Text {
     Text::from_slice_unchecked(text.as_bytes())
 }
 
+/// The text of an attribute, which OpenEXR leaves to the reader to decode.
+fn utf8(text: &Text) -> String {
+    String::from_utf8_lossy(text.as_slice()).into_owned()
+}
+
 /// Writes all layers of the whole picture of a film, black where its window does not reach. The name of the scene and the settings become the
 /// comment, a line `name = value` each.
 ///
@@ -282,7 +287,7 @@ fn read_channels(file: impl Read + Seek + Send) -> exr::error::Result<ExrPicture
     Ok(ExrPicture {
         size: [layer.size.0 as u32, layer.size.1 as u32],
         channels: channels.collect(),
-        comments: layer.attributes.comments.map(|text| text.to_string()).unwrap_or_default(),
+        comments: layer.attributes.comments.map(|text| utf8(&text)).unwrap_or_default(),
     })
 }
 

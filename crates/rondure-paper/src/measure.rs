@@ -4,6 +4,7 @@ use cpu_time::ProcessTime;
 use rondure::engine::Statistics;
 use rondure::{EngineOptions, Method};
 use rondure_render::{Picture, Progress, RenderError, Settings, render};
+use rondure_scene::Integrator;
 use rondure_scene::Scene;
 
 use crate::ablation::{self, Ablation};
@@ -128,11 +129,13 @@ pub fn measure(options: &Options, progress: &dyn Progress) -> Result<Report, Pap
     for (name, head) in [("matte", scenes::MATTE), ("mirror", scenes::MIRROR)] {
         let mut scene = scenes::read(name, head).map_err(|r| PaperError::Scene(r.plain()))?;
         (scene.film.width, scene.film.height) = (options.size, options.size);
+        scene.film.integrator = Integrator::Whitted;
         measured.push(scene_with(&engines, name, &scene, options, &mut step)?);
     }
     let ablation = if options.ablate {
         let scene = scenes::read("matte", scenes::MATTE);
-        let scene = scene.map_err(|r| PaperError::Scene(r.plain()))?;
+        let mut scene = scene.map_err(|r| PaperError::Scene(r.plain()))?;
+        scene.film.integrator = Integrator::Whitted;
         let rest = Step { whole: progress, before: of_renders, share: 1.0 - of_renders };
         Some(ablation::measure(&scene, options, &rest)?)
     } else {

@@ -142,8 +142,7 @@ fn light_goes_on_from_wall_to_wall() {
 fn photons_bring_what_passes_a_slab() {
     let slab = Profile::from_path_data("M 0 1 L 3 1 L 3 1.5 L 0 1.5").unwrap();
     let slab = Instance::new(Arc::new(Surface::new(&slab)), Affine::IDENTITY).unwrap();
-    let sun =
-        Light::Sun { direction: Vec3::Z, irradiance: [2.0; 3], angular_radius: 0.0 };
+    let sun = Light::Sun { direction: Vec3::Z, irradiance: [2.0; 3], angular_radius: 0.0 };
     let mut scene = from_above(8, 64, 1.0)
         .with(FLOOR, matte(0.1))
         .with(Shape::Turned(slab), Material::Glass(Glass::clear([1.0; 3], 1.5)))
@@ -216,7 +215,8 @@ fn what_overlaps_is_filled_by_priority() {
         let mut scene = scene(24, 64, eye, Vec3::ZERO, Projection::Perspective { fov: 0.45 });
         scene.film.integrator = Integrator::Path;
         scene.film.depth = 30;
-        let wall = Profile::from_path_data("M 0 -1 A 1 1 0 0 1 0 1 L 0 0.8 A 0.8 0.8 0 0 0 0 -0.8 Z");
+        let wall =
+            Profile::from_path_data("M 0 -1 A 1 1 0 0 1 0 1 L 0 0.8 A 0.8 0.8 0 0 0 0 -0.8 Z");
         let wall = Instance::new(Arc::new(Surface::new(&wall.unwrap())), Affine::IDENTITY).unwrap();
         let glass = Glass { priority: 1, ..Glass::clear([0.9; 3], 1.5) };
         let wine = Glass::clear([0.6, 0.2, 0.3], 1.34);

@@ -17,6 +17,9 @@ mod ggx;
 mod layered;
 mod metal;
 mod spectrum;
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests;
 
 use rondure::Vec3;
 
