@@ -100,7 +100,7 @@ impl Checkpoint {
 
     /// Writes the sums so far.
     pub(crate) fn write(&self, share: &ShareRef<'_>) -> Result<(), Failure> {
-        output::write_share(OPTION, &self.path, share)
+        share.write_alone(&self.path).map_err(|error| output::unwritten(OPTION, error))
     }
 
     /// Takes the checkpoint away: it has done its service.

@@ -108,17 +108,17 @@ impl Output {
                 ExrError::Io { source, .. } => self.unwritable(&source),
                 other => Failure::new(other, "choose another size or place"),
             }),
-            Kind::Share => write_share(self.option, &self.path, share),
+            Kind::Share => share.write(&self.path).map_err(|e| unwritten(self.option, e)),
         }
     }
 }
 
-/// Writes a share to a file that `option` named.
-pub(crate) fn write_share(option: &str, path: &Path, share: &ShareRef<'_>) -> Result<(), Failure> {
-    share.write(path).map_err(|e| match e {
-        ShareError::Io { source, .. } => Failure::unwritable_by(option, path, &source),
+/// Why a share could not be written to a file that `option` named.
+pub(crate) fn unwritten(option: &str, error: ShareError) -> Failure {
+    match error {
+        ShareError::Io { path, source } => Failure::unwritable_by(option, &path, &source),
         other => Failure::new(other, "choose another place"),
-    })
+    }
 }
 
 /// Makes sure that a file that `option` named can be written, and that there is room for so many bytes, or for [`LARGEST_PROBE`].

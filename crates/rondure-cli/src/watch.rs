@@ -18,7 +18,7 @@ use crate::{
 /// How long after a preview there is another.
 const BETWEEN_PREVIEWS: Duration = Duration::from_secs(3);
 /// The first one comes sooner.
-const FIRST_PREVIEW: Duration = Duration::from_millis(500);
+const FIRST_PREVIEW: Duration = Duration::from_millis(200);
 /// Writing takes at most this part of the time.
 const SHARE_OF_TIME: u32 = 10;
 

@@ -11,7 +11,7 @@ use std::{
 
 use sha2::{Digest, Sha256};
 
-use rondure_image::file::write_whole;
+use rondure_image::file::{self, write_whole};
 
 use crate::{Center, Film, FilmError, Layers, Portion, Recipe, Share, Statistics, Sum, Window};
 
@@ -114,6 +114,21 @@ impl ShareRef<'_> {
         let path = path.as_ref();
         write_whole(path, |out| self.fill(out))
             .map_err(|source| ShareError::Io { path: path.to_owned(), source })
+    }
+
+    /// The same for a file that nobody else writes. A process that is killed in between leaves the old file, and beside it [`ShareRef::unfinished`].
+    ///
+    /// # Errors
+    /// As [`write`](Self::write).
+    pub fn write_alone(&self, path: impl AsRef<Path>) -> Result<(), ShareError> {
+        let path = path.as_ref();
+        file::write_whole_alone(path, |out| self.fill(out))
+            .map_err(|source| ShareError::Io { path: path.to_owned(), source })
+    }
+
+    /// The name that a file has before it is whole, if nobody else writes it.
+    pub fn unfinished(path: impl AsRef<Path>) -> PathBuf {
+        file::new_name(path.as_ref())
     }
 
     fn fill(&self, out: &mut BufWriter<&mut File>) -> io::Result<()> {
