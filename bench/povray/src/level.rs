@@ -17,6 +17,9 @@ pub(crate) fn level(
     folder: &Path,
     scene: &rondure_scene::Scene,
 ) -> Result<String, Box<dyn Error>> {
+    if matches!(scene.sky, rondure_scene::Sky::Image { .. }) {
+        return Err("POV-Ray is not given skies from pictures; choose another scene".into());
+    }
     let mut root: Table = text.parse()?;
     absolute_files(&mut root, &folder.canonicalize()?);
     if let Some(Value::Table(camera)) = root.get_mut("camera") {
@@ -102,6 +105,7 @@ fn daylight(sky: &rondure_scene::Sky) -> Option<Value> {
         Sky::Gradient { zenith, horizon, .. } => {
             [0, 1, 2].map(|i| PI * (2.0 * zenith[i] + horizon[i]) / 3.0)
         }
+        Sky::Image { .. } => return None,
     };
     let direction = FROM_THE_SKY.normalized();
     (irradiance != [0.0; 3]).then(|| sun(direction, irradiance.map(|c| c / direction.z)))
@@ -151,7 +155,7 @@ mod tests {
         assert!(scene.camera.lens.is_none());
         assert_eq!(scene.sky, Sky::Constant { color: [0.0; 3] });
         assert!(matches!(scene.materials[0], Material::Glossy { roughness: 0.0, .. }));
-        assert!(matches!(scene.materials[1], Material::Glass { color, .. } if color == [1.0; 3]));
+        assert!(matches!(scene.materials[1], Material::Glass(glass) if glass.color == [1.0; 3]));
         let [Light::Point { intensity, .. }, Light::Sun { irradiance, angular_radius, direction }] =
             scene.lights[..]
         else {

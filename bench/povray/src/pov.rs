@@ -15,7 +15,7 @@ use std::{
 };
 
 use rondure::{Affine, Instance, Surface, Vec3};
-use rondure_scene::{Camera, Color, Light, Material, Paint, Projection, Scene, Shape};
+use rondure_scene::{Camera, Color, Glass, Light, Material, Paint, Projection, Scene, Shape};
 
 use crate::lathe::cubics;
 
@@ -240,7 +240,7 @@ impl Pov {
                     Rgb(color)
                 )
             }
-            Material::Glass { color, ior } => {
+            Material::Glass(Glass { color, ior, .. }) => {
                 write!(
                     self.text,
                     " pigment {{ rgbt <1, 1, 1, 1> }} finish {{ diffuse 0 {} reflection {{ 0, 1 \
@@ -260,6 +260,11 @@ impl Pov {
                 }
                 write!(self.text, " }}")
             }
+            Material::Metal { .. } | Material::Principled(_) => {
+                self.notes
+                    .push(format!("{name}: POV-Ray has no such material, and shows it black"));
+                write!(self.text, " pigment {{ rgb 0 }}")
+            }
         }
     }
 
@@ -270,8 +275,12 @@ impl Pov {
         frame: Option<(Vec3, [Vec3; 2])>,
     ) -> fmt::Result {
         let (Paint::Checker { colors, size }, Some((center, [x, y]))) = (paint, frame) else {
-            if matches!(paint, Paint::Checker { .. }) {
-                self.notes.push(format!("{name}: the checker has its mean colour for POV-Ray"));
+            match paint {
+                Paint::Solid(_) => {}
+                Paint::Checker { .. } => {
+                    self.notes.push(format!("{name}: the checker has its mean colour for POV-Ray"))
+                }
+                _ => self.notes.push(format!("{name}: the paint is grey for POV-Ray")),
             }
             return write!(self.text, " pigment {{ {} }}", Rgb(mean(paint)));
         };
@@ -297,5 +306,6 @@ fn mean(paint: &Paint) -> Color {
     match *paint {
         Paint::Solid(color) => color,
         Paint::Checker { colors: [a, b], .. } => [0, 1, 2].map(|i| 0.5 * (a[i] + b[i])),
+        _ => [0.5; 3],
     }
 }

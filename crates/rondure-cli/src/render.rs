@@ -63,6 +63,10 @@ pub(crate) struct Render {
     #[arg(long, value_name = "path|whitted", value_parser = integrator)]
     integrator: Option<Integrator>,
 
+    /// Take no more samples where the relative noise is below this, like 0.01; --spp is the most then
+    #[arg(long, value_name = "X", value_parser = noise)]
+    noise: Option<f64>,
+
     #[command(flatten)]
     long: LongArgs,
 
@@ -85,6 +89,11 @@ pub(crate) struct Render {
     /// Say nothing unless something is wrong
     #[arg(short, long)]
     quiet: bool,
+}
+
+fn noise(text: &str) -> Result<f64, &'static str> {
+    let good = |x: &f64| (1e-6..=1.0).contains(x);
+    text.parse().ok().filter(good).ok_or("expected a number from 0.000001 to 1")
 }
 
 #[derive(Debug, Args)]
@@ -159,6 +168,9 @@ impl Render {
             Some(checkpoint) => self.begin(&job, &recipe, &portion, checkpoint)?,
             None => Work::new(&job, portion.clone()).map_err(cannot_render)?,
         };
+        if let Some(noise) = self.noise {
+            work = work.until(&job, noise).map_err(cannot_render)?;
+        }
 
         let cancelled = interrupt::flag();
         let before = work.snapshot().done();
@@ -187,7 +199,13 @@ impl Render {
             if let Some(checkpoint) = &checkpoint {
                 checkpoint.remove();
             }
-            self.tell(|| format!("{}: {}", output.path.display(), summary(&share, &rays, time)));
+            self.tell(|| {
+                format!(
+                    "{}: {}",
+                    output.path.display(),
+                    summary(&share, &rays, time, self.noise.is_some())
+                )
+            });
             return Ok(());
         }
         let mut written = Vec::new();
@@ -246,6 +264,7 @@ impl Render {
             ("depth", film.depth.to_string()),
             ("filter", film.filter.to_string()),
             ("integrator", format!("{:?}", film.integrator)),
+            ("noise", self.noise.map_or("any".to_owned(), |noise| noise.to_string())),
             ("engine", self.engine.describe()),
         ];
         let shown = settings_of(film).map(|(key, value)| (key.to_owned(), value));
@@ -347,6 +366,7 @@ pub(crate) fn cannot_render(error: RenderError) -> Failure {
     let help = match error {
         RenderError::Cancelled => return Failure::Interrupted,
         RenderError::TooLarge { .. } | RenderError::Film(_) => "choose a smaller --size",
+        RenderError::NoisePart => "leave away --noise, or what makes it a part",
         RenderError::Threads(_) => "ask for fewer with --threads",
         _ => "change the scene",
     };
@@ -354,16 +374,21 @@ pub(crate) fn cannot_render(error: RenderError) -> Failure {
 }
 
 /// What was done since `before`, in how many seconds.
-fn summary(share: &ShareRef<'_>, before: &Statistics, time: f64) -> String {
+fn summary(share: &ShareRef<'_>, before: &Statistics, time: f64, adaptive: bool) -> String {
     let rays = |s: &Statistics| s.camera_rays + s.secondary_rays + s.shadow_rays;
     let samples = share.statistics.camera_rays - before.camera_rays;
     let rays = rays(share.statistics) - rays(before);
     let window = share.film.window();
+    let mean = share.statistics.camera_rays as f64 / window.pixels() as f64;
+    let spp = if adaptive {
+        format!("{mean:.1} of {}", share.recipe.spp)
+    } else {
+        share.recipe.spp.to_string()
+    };
     format!(
-        "{}x{}, {} spp, {} ({}samples/s, {}rays/s)",
+        "{}x{}, {spp} spp, {} ({}samples/s, {}rays/s)",
         window.width,
         window.height,
-        share.recipe.spp,
         seconds(time),
         rate(samples, time),
         rate(rays, time)

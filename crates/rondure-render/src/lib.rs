@@ -13,6 +13,7 @@
     reason = "`!(a > b)` counts a NaN as no, which is what the numbers of rays need"
 )]
 
+mod adaptive;
 mod bodies;
 mod bsdf;
 mod camera;

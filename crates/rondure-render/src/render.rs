@@ -129,6 +129,12 @@ pub enum RenderError {
     /// There are too many objects.
     #[error("a scene can have at most 2 billion objects and lights: {0}")]
     TooManyObjects(#[from] rondure::bvh::TooManyItems),
+    /// A limit of noise needs to know the noise.
+    #[error("a picture without a layer of variance has no limit of noise")]
+    NoVariance,
+    /// Only whole pictures can be judged by their noise.
+    #[error("a limit of noise is for whole pictures, not for parts")]
+    NoisePart,
     /// No light has the colour that is to look white.
     #[error(transparent)]
     White(#[from] WhiteError),

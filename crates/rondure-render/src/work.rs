@@ -11,6 +11,7 @@ use rondure_film::{Film, Pass, Portion, Share, Statistics, Window};
 
 use crate::{
     Progress, RenderError,
+    adaptive::Blocks,
     job::{Job, Prepared},
 };
 
@@ -35,6 +36,8 @@ pub struct Work {
     next: Vec<u32>,
     film: Film,
     statistics: Statistics,
+    /// The error at which a block of pixels has enough samples.
+    noise: Option<f64>,
 }
 
 /// The sums so far, in the middle of the work.
@@ -105,7 +108,7 @@ impl Work {
     fn begun(portion: Portion, edge: u32, film: Film, statistics: Statistics) -> Self {
         let tiles: Vec<_> = portion.window.tiles(edge).collect();
         let next = vec![portion.samples.start; tiles.len()];
-        Self { portion, tiles, next, film, statistics }
+        Self { portion, tiles, next, film, statistics, noise: None }
     }
 
     /// The work that a share was cut from, to go on with it: the share must be of the job's picture, and have been written from a
@@ -131,6 +134,22 @@ impl Work {
             work.next[tile] = samples.end;
         }
         Ok(work)
+    }
+
+    /// The same with a limit: blocks of pixels whose relative error is estimated to be no more than `noise` get no more samples. 0.01 is all but
+    /// invisible. The picture depends on the limit, but not on threads, tiles or interruptions.
+    ///
+    /// # Errors
+    /// If the portion is not the whole picture, or the film does not keep the variance.
+    pub fn until(mut self, job: &Job<'_>, noise: f64) -> Result<Self, RenderError> {
+        if self.portion != job.whole() {
+            return Err(RenderError::NoisePart);
+        }
+        if !job.layers().variance {
+            return Err(RenderError::NoVariance);
+        }
+        self.noise = Some(noise);
+        Ok(self)
     }
 
     /// The sums so far.
@@ -186,7 +205,22 @@ impl Work {
             if left.is_empty() {
                 continue;
             }
-            match self.pass(job, &job.prepare(pass), &samples, &left, parallel, progress) {
+            let exposure = job.scene().film.exposure;
+            let blocks = |noise| Blocks::new(&self.film, noise, exposure, samples.start);
+            let blocks = self.noise.map(blocks);
+            if blocks.as_ref().is_some_and(Blocks::is_done) {
+                self.next.fill(self.portion.samples.end);
+                break;
+            }
+            match self.pass(
+                job,
+                &job.prepare(pass),
+                &samples,
+                &left,
+                blocks.as_ref(),
+                parallel,
+                progress,
+            ) {
                 Err(RenderError::Cancelled) => return Ok(Outcome::Stopped),
                 other => other?,
             }
@@ -201,6 +235,7 @@ impl Work {
         prepared: &Prepared,
         samples: &Range<u32>,
         left: &[usize],
+        blocks: Option<&Blocks>,
         parallel: bool,
         progress: &dyn Progress,
     ) -> Result<(), RenderError> {
@@ -216,11 +251,17 @@ impl Work {
                 return Err(RenderError::Cancelled);
             }
             let todo = starts[i].max(samples.start)..samples.end;
-            let sums = job.tile(prepared, tiles[i], &todo, progress)?;
+            let windows = blocks.map_or_else(|| vec![tiles[i]], |blocks| blocks.of_tile(tiles[i]));
+            let sums = windows
+                .into_iter()
+                .map(|window| job.tile(prepared, window, &todo, progress))
+                .collect::<Result<Vec<_>, _>>()?;
             // Whoever panicked while holding the lock ends the whole work.
             let mut shared = shared.lock().unwrap_or_else(PoisonError::into_inner);
-            shared.film.merge(&sums.film)?;
-            shared.statistics.add(&sums.statistics);
+            for sums in sums {
+                shared.film.merge(&sums.film)?;
+                shared.statistics.add(&sums.statistics);
+            }
             shared.next[i] = todo.end;
             let Shared { film, statistics, next } = &*shared;
             let so_far = Snapshot { portion, tiles, next, film, statistics };
