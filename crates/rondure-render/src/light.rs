@@ -3,7 +3,7 @@
 use core::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-use rondure::{Ray, Vec3, numeric::gamma};
+use rondure::{AreaSampler, Instance, Interaction, Ray, SurfaceSample, Vec3, numeric::gamma};
 use rondure_scene::{Light, Sky};
 
 use crate::{
@@ -15,11 +15,77 @@ use crate::{
 /// A light with what sampling it needs worked out.
 #[derive(Clone, Debug)]
 pub(crate) enum Lamp {
-    Point { position: Vec3, intensity: Rgb },
-    Sun { direction: Vec3, irradiance: Rgb },
-    SunDisk { frame: Frame, light: Rgb, cap: f64 },
-    Disk { center: Vec3, frame: Frame, radius: f64, radiance: Rgb },
-    Sphere { center: Vec3, radius: f64, radiance: Rgb },
+    Point {
+        position: Vec3,
+        intensity: Rgb,
+    },
+    Sun {
+        direction: Vec3,
+        irradiance: Rgb,
+    },
+    SunDisk {
+        frame: Frame,
+        light: Rgb,
+        cap: f64,
+    },
+    Disk {
+        center: Vec3,
+        frame: Frame,
+        radius: f64,
+        radiance: Rgb,
+    },
+    Sphere {
+        center: Vec3,
+        radius: f64,
+        radiance: Rgb,
+    },
+    /// A turned surface that shines on both sides.
+    Turned(Box<Shining>),
+}
+
+/// A turned surface that shines.
+#[derive(Clone, Debug)]
+pub(crate) struct Shining {
+    instance: Instance,
+    sampler: AreaSampler,
+    radiance: Rgb,
+    /// Its area in the world, about, and the ball round it.
+    area: f64,
+    center: Vec3,
+    radius: f64,
+}
+
+impl Shining {
+    /// `None` if it has no area.
+    pub(crate) fn new(instance: &Instance, radiance: Rgb) -> Option<Self> {
+        let sampler = AreaSampler::new(instance.surface())?;
+        let bounds = instance.bounds();
+        let (center, half) = ((bounds.min + bounds.max) * 0.5, (bounds.max - bounds.min) * 0.5);
+        // The mean of what one point of an even grid stands for.
+        const STEPS: u32 = 16;
+        let at = |i: u32| (f64::from(i) + 0.5) / f64::from(STEPS);
+        let points = (0..STEPS * STEPS).map(|i| [at(i % STEPS), at(i / STEPS)]);
+        let sum: f64 = points.map(|u| 1.0 / instance.sample(&sampler, u).area_pdf).sum();
+        let area = sum / f64::from(STEPS * STEPS);
+        (area > 0.0 && area.is_finite()).then(|| Self {
+            instance: instance.clone(),
+            sampler,
+            radiance,
+            area,
+            center,
+            radius: half.length(),
+        })
+    }
+
+    fn at(&self, u: (f64, f64)) -> SurfaceSample {
+        self.instance.sample(&self.sampler, [u.0, u.1])
+    }
+
+    /// The density by solid angle, seen from a place, with which a point of it is looked for.
+    pub(crate) fn pdf(&self, from: Vec3, surface: &Interaction) -> f64 {
+        let area_pdf = self.instance.area_pdf(&self.sampler, surface.normal);
+        surface.solid_angle_pdf(area_pdf, from)
+    }
 }
 
 /// Light that could arrive at a point, were nothing in its way.
@@ -77,6 +143,7 @@ impl Lamp {
     pub(crate) fn radiance(&self) -> Rgb {
         match *self {
             Self::Disk { radiance, .. } | Self::Sphere { radiance, .. } => radiance,
+            Self::Turned(ref shining) => shining.radiance,
             _ => Rgb::BLACK,
         }
     }
@@ -140,6 +207,23 @@ impl Lamp {
                     pdf: 1.0 / solid_angle,
                 })
             }
+            Self::Turned(ref shining) => {
+                let found = shining.at(u);
+                let to_light = found.surface.point - at;
+                let distance = to_light.length();
+                let direction = to_light / distance;
+                let pdf = found.surface.solid_angle_pdf(found.area_pdf, at);
+                let usable = pdf > 0.0 && pdf.is_finite() && distance > 0.0;
+                usable.then(|| Incoming {
+                    direction,
+                    // Before the surface, by its own rounding seen along the ray.
+                    distance: before(distance, found.surface.point, at)
+                        - 4.0 * found.surface.error
+                            / found.surface.normal.dot(direction).abs().max(1e-3),
+                    light: shining.radiance / pdf,
+                    pdf,
+                })
+            }
         }
     }
 
@@ -155,6 +239,10 @@ impl Lamp {
             Self::Disk { center, radius, radiance, .. }
             | Self::Sphere { center, radius, radiance } => {
                 radiance.luminance() * PI * radius * radius / spread(center, radius)
+            }
+            Self::Turned(ref shining) => {
+                let size = shining.radius;
+                shining.radiance.luminance() * 0.5 * shining.area / spread(shining.center, size)
             }
         }
     }
@@ -172,7 +260,8 @@ impl Lamp {
                 let (_, cap) = visible_cap(center, radius, at);
                 1.0 / (TAU * cap)
             }
-            Self::Point { .. } | Self::Sun { .. } | Self::SunDisk { .. } => 0.0,
+            // That of a turned one depends on where it is met.
+            Self::Point { .. } | Self::Sun { .. } | Self::SunDisk { .. } | Self::Turned(_) => 0.0,
         }
     }
 }
@@ -203,6 +292,9 @@ impl Lamp {
             }
             Self::Sphere { center: from, radius: r, radiance } => {
                 radiance * (PI * r * r * seen_from(from))
+            }
+            Self::Turned(ref shining) => {
+                shining.radiance * (0.5 * shining.area * seen_from(shining.center))
             }
         }
     }
@@ -250,6 +342,13 @@ impl Lamp {
                     ray: leaving(from, frame.to_world(Vec3::Z), direction),
                     power,
                 })
+            }
+            Self::Turned(ref shining) => {
+                let found = shining.at(place);
+                let (direction, solid_angle) = towards(found.surface.point);
+                let cos = found.surface.normal.dot(direction).abs();
+                let power = shining.radiance * (cos * solid_angle / found.area_pdf);
+                (cos > 0.0).then(|| Emitted { ray: found.surface.spawn(direction), power })
             }
             Self::Sphere { center: from, radius: r, radiance } => {
                 // From the half that faces the ball, unless the two are within each other.

@@ -3,8 +3,10 @@
 //! Two trees: one over what blocks light, one over what lets it pass, clear glass and lamps. Bodies,
 //! which may be of several materials, have a third.
 
-use rondure::{Bounds, Bvh, Hit, Interaction, Ray, Vec3};
-use rondure_scene::{Light, Scene, Shape as Described};
+use std::collections::HashMap;
+
+use rondure::{Bounds, Bvh, Hit, Instance, Interaction, Ray, Vec3};
+use rondure_scene::{Integrator, Light, Scene, Shape as Described};
 
 use crate::{
     RenderError,
@@ -13,12 +15,15 @@ use crate::{
     finish::Finish,
     fresnel,
     gather::{Gathered, materials},
-    light::{Heaven, Lamp},
+    light::{Heaven, Lamp, Shining},
     optics::Optics,
     shape::{Disk, Shape, Sphere},
     texture::{Own, Relief, Spot},
     things::Things,
 };
+
+/// The most things that shine and are looked for as lamps; what more there are, is found by chance.
+const MOST_SHINING: usize = 256;
 
 /// What a thing is in the scene.
 #[derive(Clone, Copy, Debug)]
@@ -62,6 +67,8 @@ pub(crate) struct World {
     finishes: Vec<Finish>,
     /// The same materials for the path tracer.
     optics: Vec<Optics>,
+    /// Of things that shine, and are looked for as lamps, the number of the lamp.
+    shining: HashMap<u32, u32>,
     /// The reliefs of finishes that have one.
     reliefs: Vec<Option<Relief>>,
     pub(crate) lamps: Vec<Lamp>,
@@ -144,7 +151,25 @@ impl World {
             Bvh::new(things.len(), bounds)
         };
         let (blocking, passing) = (tree(true)?, tree(false)?);
-        let lamps: Vec<_> = scene.lights.iter().map(Lamp::new).collect();
+        let mut lamps: Vec<_> = scene.lights.iter().map(Lamp::new).collect();
+        let mut shining = HashMap::new();
+        if scene.film.integrator == Integrator::Path {
+            for thing in 0..things.turned.len() as u32 {
+                let Role::Surface { finish, .. } = roles[role_of[thing as usize] as usize] else {
+                    continue;
+                };
+                let emission = optics[finish as usize].emission;
+                if emission.is_black() || shining.len() >= MOST_SHINING {
+                    continue;
+                }
+                let turned = &things.turned;
+                let placed = Instance::new(turned.surface(thing).clone(), *turned.placement(thing));
+                if let Some(found) = placed.and_then(|placed| Shining::new(&placed, emission)) {
+                    shining.insert(thing, lamps.len() as u32);
+                    lamps.push(Lamp::Turned(Box::new(found)));
+                }
+            }
+        }
         let sky = Heaven::new(&scene.sky);
         let seen = lamps.iter().map(Lamp::radiance).chain(sky.extremes());
         let brightest = seen.map(Rgb::max_channel).fold(0.0, f64::max);
@@ -160,6 +185,7 @@ impl World {
             reliefs: scene.reliefs.iter().map(|r| r.as_ref().map(Relief::new)).collect(),
             finishes,
             optics,
+            shining,
             lamps,
             sky,
             white,
@@ -310,6 +336,12 @@ impl World {
     pub(crate) fn lamp_share(&self, at: Vec3, lamp: usize) -> f64 {
         let sum: f64 = self.lamps.iter().map(|lamp| lamp.importance(at)).sum();
         if sum > 0.0 { self.lamps[lamp].importance(at) / sum } else { 0.0 }
+    }
+
+    /// The number of the lamp that a thing is.
+    #[inline]
+    pub(crate) fn lamp_of(&self, thing: u32) -> Option<u32> {
+        self.shining.get(&thing).copied()
     }
 
     /// The absorption and the index of refraction of glass.

@@ -181,6 +181,31 @@ fn photons_and_chance_agree() {
     assert!((by_photons - by_chance).abs() < 0.02 * by_chance, "{by_photons} {by_chance}");
 }
 
+/// The middle of the floor of a shining pipe: of all directions weighted by the cosine, the opening at height h
+/// takes R^2 / (R^2 + h^2). The light is looked for on the pipe, and found by chance in the noise of a few samples.
+#[test]
+fn a_shining_pipe_lights_its_floor() {
+    let pipe = Profile::from_path_data("M 0.5 0 L 0.5 1.2").unwrap();
+    let look = |placement| {
+        let pipe = Instance::new(Arc::new(Surface::new(&pipe)), placement).unwrap();
+        let shining = made(|p| {
+            p.emission = [3.0; 3];
+            p.base_color = Paint::Solid([0.0; 3]);
+            p.specular_weight = 0.0;
+        });
+        let mut scene =
+            from_above(8, 256, 0.01).with(FLOOR, matte(0.5)).with(Shape::Turned(pipe), shining);
+        scene.film.depth = 1;
+        mean(&scene.shoot())
+    };
+    let seen = 1.44 / (0.25 + 1.44);
+    let expected = 0.5 * 3.0 * seen;
+    for placement in [Affine::IDENTITY, Affine::scale(Vec3::new(-1.0, 1.0, 1.0))] {
+        let found = look(placement);
+        assert!((found - expected).abs() < 5e-3 * expected, "{found} {expected}");
+    }
+}
+
 #[test]
 fn a_sphere_as_a_profile_is_the_sphere() {
     let look = |shape| {

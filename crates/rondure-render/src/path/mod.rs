@@ -10,7 +10,7 @@ mod media;
 pub(crate) mod photons;
 mod vertex;
 
-use rondure::Ray;
+use rondure::{Interaction, Ray};
 use rondure_film::Statistics;
 
 use self::{
@@ -22,7 +22,7 @@ use crate::{
     bsdf::{Kind, Part, Wavelength},
     coat::power_heuristic,
     color::Rgb,
-    light::Incoming,
+    light::{Incoming, Lamp},
     sampler::{Key, Sample},
     world::{Role, World},
 };
@@ -144,7 +144,10 @@ impl Tracer<'_> {
             Role::Surface { finish, solid } => (finish, solid),
         };
         let optics = world.optics(finish);
-        *light += walk.weight * optics.emission;
+        if !optics.emission.is_black() {
+            let surface = world.interaction(&walk.ray, &contact);
+            *light += walk.weight * optics.emission * self.shine(&walk, contact.thing, &surface);
+        }
         if walk.depth > self.depth {
             return None;
         }
@@ -231,6 +234,19 @@ impl Tracer<'_> {
         let share = if walk.all_lamps { 1.0 } else { self.world.lamp_share(origin, lamp as usize) };
         let pdf = found.pdf(origin, direction, distance) * share;
         found.radiance() * power_heuristic(walk.pdf, pdf)
+    }
+
+    /// The share of the light of a shining surface that was not looked for where the ray comes from, and that
+    /// photons do not bring.
+    fn shine(&self, walk: &Walk, thing: u32, surface: &Interaction) -> f64 {
+        let Some(lamp) = self.world.lamp_of(thing) else { return 1.0 };
+        if walk.scattered && walk.kind == Kind::Narrow && walk.from_target {
+            return 0.0;
+        }
+        let Lamp::Turned(shining) = &self.world.lamps[lamp as usize] else { return 1.0 };
+        let origin = walk.ray.origin;
+        let share = if walk.all_lamps { 1.0 } else { self.world.lamp_share(origin, lamp as usize) };
+        power_heuristic(walk.pdf, shining.pdf(origin, surface) * share)
     }
 
     /// The light of lamps and sky that a surface sends on; `narrow` tells whether what its narrow lobes send
