@@ -35,8 +35,8 @@ const LEAST_INCIDENCE: f64 = UNIT_ROUNDOFF;
 /// origin.
 pub fn allowed(hit: &OracleHit, speed: f64, size: f64, reach: f64) -> f64 {
     let moved = UNIT_ROUNDOFF * (BACKWARD_ROUNDOFFS * size + 4.0 * reach);
-    // Parallel to a side, a line that passes its edge by less than `moved` may hit either end of it.
-    let at_joint = moved / hit.joint_incidence.max(LEAST_INCIDENCE);
+    // A line that is moved by so much may pass the joint and hit what lies beyond it, which it may run along.
+    let at_joint = moved / hit.incidence.max(LEAST_INCIDENCE);
     let incidence =
         if hit.joint_distance * size <= at_joint { hit.joint_incidence } else { hit.incidence };
     moved / incidence.max(LEAST_INCIDENCE) + 2.0 * UNIT_ROUNDOFF * (hit.t.hi * speed).abs()
