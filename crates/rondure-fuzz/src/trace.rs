@@ -132,11 +132,7 @@ impl Numbers<'_> {
             direction = direction - origin;
         }
         let ray = Ray::line(origin, direction);
-        // As a length an end of the range must not underflow: it would count as zero.
-        let size = direction.max_abs();
-        let underflows = |t: f64| (t * size).abs() < f64::MIN_POSITIVE;
-        let mut end = || self.number().map(|t| if underflows(t) { 0.0 } else { t });
-        Ok(if kind & 2 == 2 { ray.with_range(end()?, end()?) } else { ray })
+        Ok(if kind & 2 == 2 { ray.with_range(self.number()?, self.number()?) } else { ray })
     }
 }
 

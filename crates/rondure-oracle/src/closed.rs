@@ -51,12 +51,12 @@ pub struct Soak {
     pub method: Method,
 }
 
-/// Shoots at closed profiles; `told` hears now and then how many rays are done.
+/// Shoots at closed profiles; `told` hears now and then what came of those that are done.
 ///
 /// # Errors
 ///
 /// None, as long as the profiles in the repository are sound.
-pub fn soak(plan: &Soak, told: &(dyn Fn(u64) + Sync)) -> Result<Tally, ProfileError> {
+pub fn soak(plan: &Soak, told: &(dyn Fn(&Tally) + Sync)) -> Result<Tally, ProfileError> {
     let fixed = fixed()?;
     let profiles = plan.rays.div_ceil(RAYS_PER_PROFILE);
     let share = plan.compared as f64 / plan.rays.max(1) as f64;
@@ -72,7 +72,7 @@ pub fn soak(plan: &Soak, told: &(dyn Fn(u64) + Sync)) -> Result<Tally, ProfileEr
             one_profile(&fixed, plan, i, rays, share, &mut tally);
             let mut total = total.lock().unwrap_or_else(PoisonError::into_inner);
             total.add(tally);
-            told(total.rays);
+            told(&total);
         }
     };
     std::thread::scope(|scope| {

@@ -1,11 +1,14 @@
 //! Holding [`Surface`] and [`Instance`] to the oracle.
 //!
-//! Counts must agree unless the line is nearer than [`TANGENCY_BAND`] to having another number of
-//! hits. Where they agree, hits and exact hits must go together in pairs, each t within [`allowed`] of
-//! the exact one. Not always in order: a hit of a line that runs along a wall may lie anywhere on the wall,
-//! before or behind another that is known to the last place.
+//! Hits and exact hits must go together in pairs, each t within [`allowed`] of the exact one. Not always in
+//! order: a hit of a line that runs along a wall may lie anywhere on the wall, before or behind another that
+//! is known to the last place.
+//!
+//! What is left over is lost or extra, unless the line is nearer than [`TANGENCY_BAND`] to having another number
+//! of hits, *and* what is left over is what such a touch takes or gives: two hits with hardly any depth between
+//! them, or one hardly beyond a joint ([`Loose`]). A touch excuses no other hit of its line.
 
-use core::fmt;
+use core::{cmp::Ordering, fmt};
 
 use rondure::{Hit, Instance, Ray, Surface, Vec3, numeric::UNIT_ROUNDOFF};
 
@@ -32,36 +35,86 @@ const LEAST_INCIDENCE: f64 = UNIT_ROUNDOFF;
 /// origin.
 pub fn allowed(hit: &OracleHit, speed: f64, size: f64, reach: f64) -> f64 {
     let moved = UNIT_ROUNDOFF * (BACKWARD_ROUNDOFFS * size + 4.0 * reach);
-    // Parallel to a side, a line that passes its edge by less than `moved` may hit either end of it.
-    let at_joint = moved / hit.joint_incidence.max(LEAST_INCIDENCE);
+    // A line that is moved by so much may pass the joint and hit what lies beyond it, which it may run along.
+    let at_joint = moved / hit.incidence.max(LEAST_INCIDENCE);
     let incidence =
         if hit.joint_distance * size <= at_joint { hit.joint_incidence } else { hit.incidence };
     moved / incidence.max(LEAST_INCIDENCE) + 2.0 * UNIT_ROUNDOFF * (hit.t.hi * speed).abs()
 }
 
-/// Hits with the exact ones that they stand for: the first exact one that fits and that no other needs
-/// more; in order, if they do not all fit.
+/// Which hit stands for which exact one, as many as possible, and those first that come first in `order`.
 fn pair_up(
-    found: &[Hit],
-    expected: usize,
-    fits: impl Fn(&Hit, usize) -> bool,
-) -> Vec<(&Hit, usize)> {
-    let in_order = || found.iter().enumerate().map(|(i, hit)| (hit, i)).collect::<Vec<_>>();
-    if in_order().iter().all(|(hit, i)| fits(hit, *i)) {
-        return in_order();
+    found: usize,
+    order: &[usize],
+    fits: &impl Fn(usize, usize) -> bool,
+) -> Vec<Option<usize>> {
+    // Hungarian method: an exact hit takes one from another that can take a third instead.
+    fn settle(
+        exact: usize,
+        fits: &impl Fn(usize, usize) -> bool,
+        taken: &mut [Option<usize>],
+        seen: &mut [bool],
+    ) -> bool {
+        (0..taken.len()).any(|hit| {
+            if seen[hit] || !fits(hit, exact) {
+                return false;
+            }
+            seen[hit] = true;
+            let free = taken[hit].is_none_or(|other| settle(other, fits, taken, seen));
+            if free {
+                taken[hit] = Some(exact);
+            }
+            free
+        })
     }
-    // Those that fit the fewest choose first.
-    let choices = |hit: &Hit| (0..expected).filter(|i| fits(hit, *i)).count();
-    let mut order = in_order();
-    order.sort_by_key(|(hit, _)| choices(hit));
-    let mut taken = vec![false; expected];
-    for (hit, i) in &mut order {
-        let Some(free) = (0..expected).find(|i| !taken[*i] && fits(hit, *i)) else {
-            return in_order();
-        };
-        (taken[free], *i) = (true, free);
+    if found == order.len() && (0..found).all(|i| fits(i, i)) {
+        return (0..found).map(Some).collect();
     }
-    order
+    let mut taken = vec![None; found];
+    for &exact in order {
+        settle(exact, fits, &mut taken, &mut vec![false; found]);
+    }
+    taken
+}
+
+/// A hit that is lost or extra: where it is, and how it lies to the surface.
+///
+/// A line that touches by a depth h has two hits a chord c apart. At a corner the angles there have the sines
+/// p <= q and h = c p q / (p + q), hence c p <= 2 h; at a contact of order n, in h = k (c / 2)^n, the sines are
+/// n h / (c / 2), hence c p <= 2 n h, and n is six at the most. A level line at the height of a plane that
+/// caps a wall has its two hits on opposite walls, each hardly beyond the joint.
+struct Loose {
+    t: f64,
+    sine: f64,
+    /// The distance, in the half plane, from the end of its piece, as a fraction of the size.
+    joint: f64,
+}
+
+impl Loose {
+    /// See there: of the chord times the sine, over the depth.
+    const MOST_OF_CHORD: f64 = 12.0;
+    /// Of the distance from a joint times the sine, over the depth: 1, and as much again for the other side.
+    const MOST_OF_JOINT: f64 = 2.0;
+
+    fn is_beside_joint(&self, depth: f64) -> bool {
+        self.joint * self.sine <= Self::MOST_OF_JOINT * depth
+    }
+
+    /// `speed` is that of the line in units of the size.
+    fn is_touch(&self, other: &Self, speed: f64, depth: f64) -> bool {
+        let chord = (self.t - other.t).abs() * speed;
+        chord * self.sine.min(other.sine) <= Self::MOST_OF_CHORD * depth
+    }
+}
+
+/// Whether hits that are lost or extra are no more than touches of this depth, as a fraction of the size.
+fn are_touches(loose: &mut [Loose], speed: f64, depth: f64) -> bool {
+    loose.sort_by(|a, b| a.t.total_cmp(&b.t));
+    (0..loose.len()).all(|i| {
+        let one = &loose[i];
+        let beside = |j: usize| loose.get(j).is_some_and(|other| one.is_touch(other, speed, depth));
+        one.is_beside_joint(depth) || beside(i + 1) || i.checked_sub(1).is_some_and(beside)
+    })
 }
 
 /// What asks for hits: a surface, or a placed one.
@@ -77,6 +130,8 @@ pub trait Target {
     /// The length of the ray's direction in the object's frame, and the largest length there that must
     /// be subtracted from another to bring the ray next to the object.
     fn speed_and_reach(&self, ray: &Ray) -> [f64; 2];
+    /// The sine of the incidence of a hit, and its distance, in the half plane, from the end of its piece.
+    fn incidence_and_joint(&self, ray: &Ray, hit: &Hit) -> [f64; 2];
 }
 
 impl Target for Surface {
@@ -95,6 +150,18 @@ impl Target for Surface {
     fn speed_and_reach(&self, ray: &Ray) -> [f64; 2] {
         [length(ray.direction), ray.origin.max_abs()]
     }
+    fn incidence_and_joint(&self, ray: &Ray, hit: &Hit) -> [f64; 2] {
+        let at = self.interaction(ray, hit);
+        let r = at.point.x.hypot(at.point.y);
+        let ends = self.piece_ends().nth(hit.piece as usize).unwrap_or_default();
+        let joint = ends.map(|e| (e.r - r).hypot(e.z - at.point.z));
+        [sine(at.normal, ray.direction), joint[0].min(joint[1])]
+    }
+}
+
+fn sine(normal: Vec3, direction: Vec3) -> f64 {
+    let d = direction * direction.max_abs().recip();
+    normal.dot(d).abs() / d.length()
 }
 
 impl Target for Instance {
@@ -121,6 +188,10 @@ impl Target for Instance {
             ray.origin.abs() + map.translation.abs() + bounds.min.abs().max(bounds.max.abs());
         let reach = rows.iter().map(|r| r.abs().dot(world)).fold(0.0, f64::max);
         [length(image), reach]
+    }
+    /// Joints are not looked for in the world: each hit counts as one.
+    fn incidence_and_joint(&self, ray: &Ray, hit: &Hit) -> [f64; 2] {
+        [sine(self.interaction(ray, hit).normal, ray.direction), 0.0]
     }
 }
 
@@ -245,49 +316,72 @@ impl Tally {
         let at_end = |h: &OracleHit| {
             [ray.t_min, ray.t_max].iter().any(|&end| h.t.distance(end).abs() <= slack(h))
         };
-        let at_ends = expected.iter().filter(|h| at_end(h)).count();
         let within = |h: &OracleHit| ray.t_min <= h.t.hi && h.t.hi <= ray.t_max;
         let mut candidates = expected.clone();
         candidates.retain(|h| within(h) || at_end(h));
         expected.retain(within);
         self.hits += expected.len() as u64;
         let far = if self.strict { 0.0 } else { reach / size * 2f64.powi(-40) };
-        let band = TANGENCY_BAND.max(far);
-        if found.len() != expected.len() {
+        // The size is up to twice the radius of the sphere round the object.
+        let band = if self.strict { 0.5 * TANGENCY_BAND } else { TANGENCY_BAND.max(far) };
+        let reaches: Vec<f64> = candidates.iter().map(|h| allowed(h, speed, size, reach)).collect();
+        let off = |hit: &Hit, i: usize| candidates[i].t.distance(hit.t).abs() * speed;
+        // Those that are known best choose first, and those at an end of the range last.
+        let (mut order, mut may): (Vec<usize>, Vec<usize>) =
+            (0..candidates.len()).partition(|&i| !at_end(&candidates[i]));
+        let by_reach = |a: &usize, b: &usize| reaches[*a].total_cmp(&reaches[*b]);
+        order.sort_by(by_reach);
+        may.sort_by(by_reach);
+        let must = order.clone();
+        order.append(&mut may);
+        let pairs = pair_up(found.len(), &order, &|hit, i| off(&found[hit], i) <= reaches[i]);
+        for (hit, i) in found.iter().zip(&pairs).filter_map(|(hit, i)| i.map(|i| (hit, i))) {
+            let error = off(hit, i);
+            self.worst_forward = self.worst_forward.max(error / size);
+            self.worst_of_allowed = self.worst_of_allowed.max(error / reaches[i]);
+            if candidates[i].incidence.min(candidates[i].joint_incidence) >= STEEP {
+                self.worst_steep = self.worst_steep.max(error / size);
+            }
+        }
+        let lost: Vec<usize> = must.into_iter().filter(|i| !pairs.contains(&Some(*i))).collect();
+        let extra = found.iter().zip(&pairs).filter(|(_, i)| i.is_none()).map(|(hit, _)| hit);
+        let extra: Vec<&Hit> = extra.collect();
+        if !(lost.is_empty() && extra.is_empty()) {
             let distance = tangency();
-            if distance <= band {
+            let of_exact = lost.iter().map(|&i| {
+                let h = &candidates[i];
+                Loose { t: h.t.hi, sine: h.incidence, joint: h.joint_distance }
+            });
+            let of_found = extra.iter().map(|hit| {
+                let [sine, joint] = target.incidence_and_joint(ray, hit);
+                Loose { t: hit.t, sine, joint: joint / size }
+            });
+            let mut loose: Vec<Loose> = of_exact.chain(of_found).collect();
+            // The other hit of a touch may lie beyond the end of the range.
+            if distance <= band && (!whole || are_touches(&mut loose, speed / size, band)) {
                 self.tangent += 1;
                 return;
             }
-            if found.len().abs_diff(expected.len()) <= at_ends {
-                return;
-            }
-            let lost = found.len() < expected.len();
-            *(if lost { &mut self.lost } else { &mut self.extra }) += 1;
+            let (counter, word) = match lost.len().cmp(&extra.len()) {
+                Ordering::Greater => (&mut self.lost, "lost"),
+                Ordering::Less => (&mut self.extra, "extra"),
+                Ordering::Equal => (&mut self.inexact, "inexact"),
+            };
+            *counter += 1;
             self.fail(|| {
-                let word = if lost { "lost" } else { "extra" };
+                let errors: Vec<_> = extra
+                    .iter()
+                    .flat_map(|hit| lost.iter().map(|&i| off(hit, i) / reaches[i]))
+                    .collect();
                 format!(
-                    "{word}: {ray:?}, {distance:e} from a tangency\n  found {found:?}\n  exact {}",
+                    "{word}: {ray:?}, {distance:e} from a tangency, off by {errors:.2?} of what is allowed\n  \
+                     found {found:?}\n  exact {}",
                     describe(&expected)
                 )
             });
             return;
         }
-        let reaches: Vec<f64> = candidates.iter().map(|h| allowed(h, speed, size, reach)).collect();
-        let off = |hit: &Hit, i: usize| candidates[i].t.distance(hit.t).abs() * speed;
         let mut inexact = None;
-        for (hit, i) in pair_up(&found, candidates.len(), |hit, i| off(hit, i) <= reaches[i]) {
-            let (error, ratio) = (off(hit, i), off(hit, i) / reaches[i]);
-            if ratio.is_nan() || ratio > 1.0 {
-                inexact.get_or_insert((*hit, error, ratio));
-                continue;
-            }
-            self.worst_forward = self.worst_forward.max(error / size);
-            self.worst_of_allowed = self.worst_of_allowed.max(ratio);
-            if candidates[i].incidence.min(candidates[i].joint_incidence) >= STEEP {
-                self.worst_steep = self.worst_steep.max(error / size);
-            }
-        }
         // The closest hit comes by another way than all hits do: it is a hit, and none is before it.
         if let Some(closest) = closest {
             let near = |i: usize| off(&closest, i) <= reaches[i];
@@ -296,20 +390,15 @@ impl Tally {
             let all = 0..candidates.len();
             if !(all.clone().any(near) && all.clone().all(behind)) {
                 let error = all.map(|i| off(&closest, i)).fold(f64::INFINITY, f64::min);
-                inexact.get_or_insert((closest, error, f64::NAN));
+                inexact = Some((closest, error));
             }
         }
-        if let Some((hit, error, ratio)) = inexact {
-            // Of two tangencies one may have been taken for a touch and the other not.
-            if tangency() <= band {
-                self.tangent += 1;
-                return;
-            }
+        if let Some((hit, error)) = inexact {
             self.inexact += 1;
             self.fail(|| {
                 format!(
-                    "inexact: {ray:?}, t = {:e} is off by {:e} of the size, {ratio:.2} of what is \
-                     allowed\n  found {found:?}\n  exact {}",
+                    "inexact: {ray:?}, the closest hit, t = {:e}, is off by {:e} of the size\n  found \
+                     {found:?}\n  exact {}",
                     hit.t,
                     error / size,
                     describe(&expected)

@@ -143,10 +143,11 @@ fn closed_profiles(options: &Options) -> bool {
     let &Options { rays: compared, seed, threads, method, .. } = options;
     let plan = Soak { rays: RAYS_PER_COMPARED * compared, compared, seed, threads, method };
     let (start, told) = (Instant::now(), AtomicU64::new(0));
-    let outcome = closed::soak(&plan, &|done| {
-        let tens = start.elapsed().as_secs() / 10;
-        if told.fetch_max(tens, Ordering::Relaxed) < tens {
-            eprintln!("{CLOSED_PROFILES}: {:.1} %", 100.0 * done as f64 / plan.rays as f64);
+    let outcome = closed::soak(&plan, &|tally| {
+        let minutes = start.elapsed().as_secs() / 60;
+        if told.fetch_max(minutes, Ordering::Relaxed) < minutes {
+            let percent = 100.0 * tally.rays as f64 / plan.rays as f64;
+            eprintln!("{CLOSED_PROFILES}: {percent:.1} %, {minutes} min: {tally}");
         }
     });
     match outcome {

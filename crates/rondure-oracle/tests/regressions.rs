@@ -77,6 +77,17 @@ fn grazing_a_short_edge() {
     assert!(tally.worst_forward < 1e-8, "{tally}");
 }
 
+/// Beside a joint where the ray touches the cone beyond it, value, slope and discriminant of F are rounding that
+/// do not fit each other, and their quotient was any number.
+#[test]
+fn grazing_a_cone_beside_its_joint() {
+    let path = "M 0 0.00012521880587231971 Q 9.214181329261335e-5 4.5314511878019437e-5 \
+                6.260940293615988e-5 0 Z";
+    let origin = Vec3::new(0.00028865503322854716, -0.00018284894952030165, 3.6270402410806666e-5);
+    let direction = Vec3::new(-0.9231639842497427, 0.36941640463493947, -0.10630041472513437);
+    check(path, Ray::line(origin, direction));
+}
+
 /// Far from the origin the ends of pieces, where r or z turns, were rounded to the last place of z.
 #[test]
 fn a_curve_far_up_the_axis() {

@@ -17,7 +17,7 @@
 //! beside s*, and so has F.
 
 use crate::meridian::Meridian;
-use crate::numeric::{UNIT_ROUNDOFF, difference_of_products, gamma};
+use crate::numeric::{UNIT_ROUNDOFF, difference_of_products, gamma, reciprocal_power_of_two};
 use crate::piece::{Kind, Piece};
 
 /// Reports every hit of the whole line on a piece, as (s, t), in no particular order.
@@ -240,7 +240,8 @@ impl Stretch {
         let positive = f.c[0] >= 0.0;
         let [s0, s1] = self.s;
         if piece.kind == Kind::Line {
-            let [falling, rising] = quadratic_roots(f, self.discriminant(ray));
+            let (unit2, discriminant) = self.discriminant(ray);
+            let [falling, rising] = quadratic_roots(f, unit2, discriminant);
             let s = if positive { falling } else { rising };
             return s0 + (s1 - s0) * s.clamp(0.0, 1.0);
         }
@@ -286,20 +287,27 @@ impl Stretch {
 
     /// The two roots on a straight stretch whose coefficients change sign twice, or none.
     fn two_roots(&self, ray: &Meridian, f: &Coefficients) -> Option<[f64; 2]> {
-        let discriminant = self.discriminant(ray);
+        let (unit2, discriminant) = self.discriminant(ray);
         (discriminant > 0.0).then(|| {
             let [s0, s1] = self.s;
-            quadratic_roots(f, discriminant).map(|s| s0 + (s1 - s0) * s.clamp(0.0, 1.0))
+            quadratic_roots(f, unit2, discriminant).map(|s| s0 + (s1 - s0) * s.clamp(0.0, 1.0))
         })
     }
 
     /// c1^2 - c0 c2 on a straight stretch. Lagrange's identity for the form F brings it to terms that
     /// cancel only where the ray is tangent to the cone. The cross product must not be rounded to the size of
     /// its terms: on a segment of length l that would move the roots as if F were off by u R^3 / l.
-    fn discriminant(&self, ray: &Meridian) -> f64 {
+    ///
+    /// Products of four lengths leave the range of an f64 where squares do not: lengths are in units of a power
+    /// of two near the stretch's size. The first result is what squares must be multiplied by.
+    fn discriminant(&self, ray: &Meridian) -> (f64, f64) {
         let ([x0, .., x1], [r0, .., r1]) = (self.x, self.r);
+        let size = x0.abs().max(x1.abs()).max(r0).max(r1);
+        let unit = reciprocal_power_of_two(size.max(f64::MIN_POSITIVE.sqrt()));
+        let ([x0, x1], [r0, r1]) = ([x0, x1].map(|x| x * unit), [r0, r1].map(|r| r * unit));
         let (dx, dr, cross) = (x1 - x0, r1 - r0, difference_of_products(x0, r1, x1, r0));
-        ray.eta * (cross * cross) + ray.kappa() * (ray.eta * (dr * dr) - dx * dx)
+        let (unit2, kappa) = (unit * unit, ray.kappa() * (unit * unit));
+        (unit2, ray.eta * (cross * cross) + kappa * (ray.eta * (dr * dr) - dx * dx))
     }
 
     /// The two parts before and after the parameter u, 0 <= u <= 1, of this stretch.
@@ -368,12 +376,17 @@ fn report_at(
 
 /// The roots of a quadratic in Bernstein form, real by the caller's word: first the one where it
 /// falls, then the one where it rises. With A = c0 - 2 c1 + c2, B = c1 - c0 and the discriminant
-/// B^2 - A c0 these are (-B -/+ sqrt(discriminant)) / A, computed without cancellation.
+/// B^2 - A c0 these are (-B -/+ sqrt(discriminant)) / A, computed without cancellation. F is to be multiplied by
+/// `unit2` before.
+///
+/// The root nearer to 0 is c0 / q with q = |B| + sqrt(discriminant). Beside a joint at which the ray touches
+/// the surface all three are rounding and need not fit each other, but that root is no larger than the
+/// geometric mean of both, sqrt(c0 / A), which is as far as the rounding of c0 moves it.
 #[inline]
-fn quadratic_roots(f: &Coefficients, discriminant: f64) -> [f64; 2] {
-    let [c0, c1, c2, ..] = f.c;
+fn quadratic_roots(f: &Coefficients, unit2: f64, discriminant: f64) -> [f64; 2] {
+    let [c0, c1, c2] = [f.c[0] * unit2, f.c[1] * unit2, f.c[2] * unit2];
     let (a, b) = ((c0 - c1) + (c2 - c1), c1 - c0);
-    let q = b.abs() + discriminant.max(0.0).sqrt();
+    let q = (b.abs() + discriminant.max(0.0).sqrt()).max((a * c0).abs().sqrt());
     match (q == 0.0, b < 0.0) {
         (true, _) => [0.0; 2],
         (_, true) => [c0 / q, q / a],

@@ -14,7 +14,7 @@ use fearless_simd::{Simd, dispatch, f64x8, mask64x8};
 use super::Wide;
 use super::arithmetic::Best;
 use super::block::LANES;
-use super::course::{Course, LONGEST, NEAR, SHORTEST};
+use super::course::{Course, LONGEST, NEAR, SHORTEST, VANISHING};
 use super::eight::{Eight, WIDTH};
 use super::leaf::{Finding, Spot};
 use super::search::{Question, Spots};
@@ -384,8 +384,9 @@ impl Lot {
         let c = ox * ox + oy * oy;
         let along = oz.mul_add(dz, b);
         let outside = oz.mul_add(oz, c) - f64x8::splat(simd, outline.radius2);
+        let reach2 = a * f64x8::splat(simd, outline.reach2) + f64x8::splat(simd, VANISHING);
         let meets = t_min.simd_le(t_max)
-            & (k * k).simd_le(a * f64x8::splat(simd, outline.reach2))
+            & (k * k).simd_le(reach2)
             & (along * along).simd_ge(outside * length2);
         let ordinary = ordinary.to_bitmask() as u32;
         let mut strange = !ordinary & 0xff;

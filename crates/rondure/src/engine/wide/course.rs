@@ -64,6 +64,9 @@ pub(super) const NEAR: f64 = 8.0;
 /// From so far away k is good to 2^-40: [`Outline::reach2`] has room for that.
 pub(super) const FAR: f64 = 4096.0;
 
+/// Room for what squares of a ray that is all but parallel to the axis lose when they vanish.
+pub(super) const VANISHING: f64 = f64::MIN_POSITIVE;
+
 /// A placement that is so flat that turning a ray cancels all but this part of it is for the exact engine.
 const FLAT: f64 = 64.0;
 
@@ -101,7 +104,7 @@ impl Course {
         }
         if PLACED {
             let k = origin.x * direction.y - origin.y * direction.x;
-            if !(k * k <= a * outline.reach2) {
+            if !(k * k <= a * outline.reach2 + VANISHING) {
                 return Err(Astray::Misses);
             }
         }
@@ -175,6 +178,5 @@ pub(super) fn passes(ray: &Ray, outline: &Outline) -> bool {
     let k = (o.x * d.y - o.y * d.x) * outline.unit;
     // From farther away rounding could say so.
     let near = o.x.abs() <= outline.far && o.y.abs() <= outline.far;
-    // Squares of tiny numbers vanish.
-    near && k * k > (d.x * d.x + d.y * d.y) * outline.reach2 + f64::MIN_POSITIVE
+    near && k * k > (d.x * d.x + d.y * d.y) * outline.reach2 + VANISHING
 }
