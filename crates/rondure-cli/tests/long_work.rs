@@ -15,7 +15,7 @@ use std::{
 
 use common::Desk;
 
-/// A drum and a ball of glass under a lamp, with a soft shadow and a caustic.
+/// A drum under a lamp, with a soft shadow.
 const SCENE: &str = r#"
 [film]
 size = [48, 32]
@@ -40,14 +40,17 @@ profile = { file = "drum.path" }
 material = { type = "glossy", color = "firebrick", roughness = 0.3 }
 
 [[object]]
+type = "plane"
+material = { color = "gray" }
+"#;
+
+/// A ball beside the drum, with a caustic.
+const GLASS: &str = r#"
+[[object]]
 type = "sphere"
 position = [1.5, 1, 0.5]
 radius = 0.5
 material = { type = "glass" }
-
-[[object]]
-type = "plane"
-material = { color = "gray" }
 "#;
 
 const DRUM: &str = "M 0 0 L 1 0 C 0.5 0.5 1.2 1.5 1 2 L 0 2 Z";
@@ -196,6 +199,7 @@ fn wait_for(path: &Path) {
 #[test]
 fn killed_work_goes_on_to_the_same_picture() {
     let desk = desk();
+    desk.file("drum.toml", SCENE.to_owned() + GLASS);
     let size = "--size 80x60 --spp 10";
     let start = Instant::now();
     run(&desk, &format!("render drum.toml -q -o whole.exr {size}"));
@@ -208,21 +212,23 @@ fn killed_work_goes_on_to_the_same_picture() {
         random =
             random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         let mut child = desk.command(&arguments).spawn().unwrap();
-        // From before the first file is written to about when all would be done.
-        thread::sleep(Duration::from_millis(3 * round + (random >> 33) % (all / 4 + 1)));
+        // At first too early to be done, then at any time.
+        let longest = if round < 4 { all / 8 } else { all / 3 };
+        thread::sleep(Duration::from_millis((random >> 33) % (longest + 1)));
         signal(&child, "-KILL");
         let status = child.wait().unwrap();
         if status.success() {
             break;
         }
         killed += 1;
-        assert!(!desk.path("killed.exr").exists());
     }
     assert!(killed > 3, "{killed}");
     run(&desk, &arguments);
     same(&desk, "whole.exr", "killed.exr");
-    // Nothing is left by those who were killed while they wrote.
-    assert_eq!(names(&desk), ["drum.path", "drum.toml", "killed.exr", "whole.exr"]);
+    // Nothing is left of checkpoints by those who were killed while they wrote; of other files there may be temporary ones.
+    let left = names(&desk);
+    let left: Vec<_> = left.iter().filter(|name| !name.starts_with(".rondure-")).collect();
+    assert_eq!(left, ["drum.path", "drum.toml", "killed.exr", "whole.exr"]);
 }
 
 #[test]
@@ -320,9 +326,10 @@ fn interrupted_work_writes_what_there_is() {
 #[test]
 fn a_picture_with_holes_is_not_written() {
     let desk = desk();
-    desk.file("out.png", "old");
+    let quick = SCENE.replace("[film]", "[film]\nintegrator = \"whitted\"");
+    desk.file("drum.toml", quick).file("out.png", "old");
     // The first pass takes much longer than the first line of progress.
-    let arguments = "render drum.toml -o out.png --size 1800x1800 --spp 16 --threads 1 --engine kj";
+    let arguments = "render drum.toml -o out.png --size 1500x1500 --spp 16 --threads 1 --engine kj";
     let mut child = desk.command(arguments).spawn().unwrap();
     let mut said = BufReader::new(child.stderr.take().unwrap());
     said.read_line(&mut String::new()).unwrap();
