@@ -282,7 +282,9 @@ fn read_channels(file: impl Read + Seek + Send) -> exr::error::Result<ExrPicture
     Ok(ExrPicture {
         size: [layer.size.0 as u32, layer.size.1 as u32],
         channels: channels.collect(),
-        comments: layer.attributes.comments.map(|text| text.to_string()).unwrap_or_default(),
+        comments: layer.attributes.comments.map_or_else(String::new, |text| {
+            String::from_utf8_lossy(text.bytes()).into_owned()
+        }),
     })
 }
 
@@ -328,7 +330,7 @@ mod tests {
         picture.channels[0].1[5] = 0.0;
         let mut same = again.clone();
         same.channels[0].1[5] = 0.0;
-        assert_eq!(same, picture);
+        assert!(same == picture && same.comments.contains("kännchen"));
         picture.channels[2].1.pop();
         assert!(matches!(picture.write(&path), Err(ExrError::Invalid { .. })));
         assert_eq!(ExrPicture::read(&path).unwrap().channels.len(), again.channels.len());
