@@ -3,6 +3,7 @@
 use rondure::{EngineOptions, Method};
 use rondure_paper::scenes;
 use rondure_render::{Picture, Settings, render};
+use rondure_scene::Integrator;
 
 fn channels(picture: &Picture) -> Vec<f64> {
     picture.pixels().iter().flatten().map(|v| f64::from(*v)).collect()
@@ -25,6 +26,7 @@ fn difference(a: &Picture, b: &Picture) -> f64 {
 fn pictures_converge_at_second_order() {
     let mut scene = scenes::read("matte", scenes::MATTE).unwrap();
     (scene.film.width, scene.film.height) = (128, 128);
+    scene.film.integrator = Integrator::Whitted;
     let picture = |options: &EngineOptions| {
         let mut own = scene.clone();
         own.set_engine(options);

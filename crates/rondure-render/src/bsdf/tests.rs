@@ -89,7 +89,7 @@ fn assert_density(
 ) {
     const ROWS: usize = 10;
     const COLUMNS: usize = 8;
-    const SAMPLES: u32 = 250;
+    const SAMPLES: u32 = 400;
     let cell = |w: Vec3| {
         let row = ((1.0 - w.z) * 0.5 * ROWS as f64) as usize;
         let column = (w.y.atan2(w.x).rem_euclid(TAU) / TAU * COLUMNS as f64) as usize;
@@ -104,7 +104,7 @@ fn assert_density(
         }
     }
     let mut expected = [0.0; ROWS * COLUMNS];
-    let fine = 400;
+    let fine = 600;
     for u in grid(fine) {
         let w = warp::cap(u, 2.0);
         expected[cell(w)] += pdf(w) * 4.0 * PI / f64::from(fine * fine);
