@@ -111,3 +111,20 @@ fn bad_input() {
     }
     insta::assert_snapshot!(gallery);
 }
+
+#[test]
+fn a_limit_of_noise_saves_samples() {
+    let desk = Desk::new();
+    desk.file("scene.toml", SCENE);
+    let outcome = desk.run("render scene.toml -o a.exr --spp 64 --noise 0.05");
+    assert_eq!(outcome.code, 0, "{}", outcome.stderr);
+    let (mean, _) = outcome.stderr.split_once(" of 64 spp").unwrap();
+    let mean: f64 = mean.rsplit(' ').next().unwrap().parse().unwrap();
+    assert!((16.0..60.0).contains(&mean), "{mean}");
+    assert_eq!(desk.run("render scene.toml -o b.exr --spp 64 --noise 0.05 --threads 1").code, 0);
+    assert_eq!(desk.run("compare a.exr b.exr --exact").code, 0);
+    for (arguments, code) in [("--noise 0", 2), ("--noise 0.1 --part 1/2 -o a.rdf", 1)] {
+        let outcome = desk.run(&format!("render scene.toml {arguments}"));
+        assert_eq!(outcome.code, code, "{}", outcome.stderr);
+    }
+}
