@@ -83,6 +83,15 @@ struct Shared<'a> {
     next: &'a mut [u32],
 }
 
+/// What is to be done in a pass.
+struct Todo<'a> {
+    samples: &'a Range<u32>,
+    /// The numbers of the tiles that have not had it.
+    tiles: &'a [usize],
+    /// The blocks that get it, if not all.
+    blocks: Option<&'a Blocks>,
+}
+
 impl Work {
     /// A portion of the job's picture, not begun.
     ///
@@ -212,15 +221,8 @@ impl Work {
                 self.next.fill(self.portion.samples.end);
                 break;
             }
-            match self.pass(
-                job,
-                &job.prepare(pass),
-                &samples,
-                &left,
-                blocks.as_ref(),
-                parallel,
-                progress,
-            ) {
+            let todo = Todo { samples: &samples, tiles: &left, blocks: blocks.as_ref() };
+            match self.pass(job, &job.prepare(pass), &todo, parallel, progress) {
                 Err(RenderError::Cancelled) => return Ok(Outcome::Stopped),
                 other => other?,
             }
@@ -233,12 +235,11 @@ impl Work {
         &mut self,
         job: &Job<'_>,
         prepared: &Prepared,
-        samples: &Range<u32>,
-        left: &[usize],
-        blocks: Option<&Blocks>,
+        todo: &Todo<'_>,
         parallel: bool,
         progress: &dyn Progress,
     ) -> Result<(), RenderError> {
+        let Todo { samples, tiles: left, blocks } = *todo;
         let (portion, tiles) = (&self.portion, self.tiles.as_slice());
         let starts = self.next.clone();
         let shared = Mutex::new(Shared {
