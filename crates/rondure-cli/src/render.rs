@@ -91,8 +91,12 @@ pub(crate) struct Render {
     quiet: bool,
 }
 
+/// The least relative noise that can be asked for: it takes some 1e12 samples a pixel to come there, more than
+/// `--spp` allows.
+const LEAST_NOISE: f64 = 1e-6;
+
 fn noise(text: &str) -> Result<f64, &'static str> {
-    let good = |x: &f64| (1e-6..=1.0).contains(x);
+    let good = |x: &f64| (LEAST_NOISE..=1.0).contains(x);
     text.parse().ok().filter(good).ok_or("expected a number from 0.000001 to 1")
 }
 
@@ -255,8 +259,10 @@ impl Render {
 
     /// Everything that decides a bit of the sums.
     fn recipe(&self, scene: &Scene) -> Result<Recipe, Failure> {
-        let name = self.scene.display().to_string();
-        let digest = scene_digest(&self.scene).map_err(|e| Failure::unreadable(&name, &e))?;
+        let path = self.scene.display().to_string();
+        let digest = scene_digest(&self.scene).map_err(|e| Failure::unreadable(&path, &e))?;
+        // Without its folder, which is nobody's business whom the picture is given to.
+        let name = self.scene.file_name().map_or(path, |name| name.to_string_lossy().into_owned());
         let film = &scene.film;
         let settings = [
             ("version", env!("CARGO_PKG_VERSION").to_owned()),

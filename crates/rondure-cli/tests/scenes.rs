@@ -66,7 +66,11 @@ fn a_picture_appears_beside_us_under_the_scenes_name() {
     let outcome = desk.run("render scenes/drum.toml --quiet");
     assert_eq!((outcome.code, &*outcome.stdout, &*outcome.stderr), (0, "", ""));
     assert_eq!(names(&desk), ["drum.png", "scenes"]);
-    let (width, height, bits, data) = png(&std::fs::read(desk.path("drum.png")).unwrap());
+    let file = std::fs::read(desk.path("drum.png")).unwrap();
+    // The file names its scene, but not the folder that it lay in.
+    let holds = |text: &[u8]| file.windows(text.len()).any(|bytes| bytes == text);
+    assert!(holds(b"rondure:scene\0drum.toml") && !holds(b"scenes/"));
+    let (width, height, bits, data) = png(&file);
     assert_eq!((width, height, bits), (48, 32, 8));
     // The drum in the middle is red, and lit from one side.
     let pixel = |x: usize, y: usize| &data[3 * (y * 48 + x)..][..3];

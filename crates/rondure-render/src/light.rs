@@ -43,6 +43,10 @@ pub(crate) enum Lamp {
     Turned(Box<Shining>),
 }
 
+/// The least cosine at which the rounding of a point of a lamp is reckoned along the ray: flatter ones light
+/// less than a thousandth, and might reach in front of the place that is lit.
+const GRAZING: f64 = 1e-3;
+
 /// A turned surface that shines.
 #[derive(Clone, Debug)]
 pub(crate) struct Shining {
@@ -219,7 +223,7 @@ impl Lamp {
                     // Before the surface, by its own rounding seen along the ray.
                     distance: before(distance, found.surface.point, at)
                         - 4.0 * found.surface.error
-                            / found.surface.normal.dot(direction).abs().max(1e-3),
+                            / found.surface.normal.dot(direction).abs().max(GRAZING),
                     light: shining.radiance / pdf,
                     pdf,
                 })

@@ -80,25 +80,6 @@ impl Facet {
     }
 }
 
-impl Ggx {
-    /// Smith's masking of one direction, on either side.
-    #[inline]
-    fn shadowing(self, cos: f64) -> f64 {
-        let cos = cos.abs();
-        2.0 * cos / (cos + self.root(cos))
-    }
-
-    /// What masking leaves of light in a direction on the viewer's side that was found by a visible normal.
-    #[inline]
-    fn masked(self, wo: Vec3, wi: Vec3) -> f64 {
-        if wi.z > 0.0 {
-            wi.z * (wo.z + self.root(wo.z)) / (wo.z * self.root(wi.z) + wi.z * self.root(wo.z))
-        } else {
-            0.0
-        }
-    }
-}
-
 impl Boundary<'_> {
     /// The microfacets and the tables of both sides, the viewer's first; for a boundary between glass and
     /// something else than air none is known, and a part of the light is lost.

@@ -70,9 +70,24 @@ impl Ggx {
         if !(wi.z > 0.0) {
             return None;
         }
-        let (root_o, root_i) = (self.root(wo.z), self.root(wi.z));
-        let masked = wi.z * (wo.z + root_o) / (wo.z * root_i + wi.z * root_o);
-        Some((wi, cos.clamp(0.0, 1.0), masked))
+        Some((wi, cos.clamp(0.0, 1.0), self.masked(wo, wi)))
+    }
+
+    /// Smith's masking of one direction, on either side.
+    #[inline]
+    pub(crate) fn shadowing(self, cos: f64) -> f64 {
+        let cos = cos.abs();
+        2.0 * cos / (cos + self.root(cos))
+    }
+
+    /// What masking leaves of light in a direction on the viewer's side that was found by a visible normal.
+    #[inline]
+    pub(crate) fn masked(self, wo: Vec3, wi: Vec3) -> f64 {
+        if wi.z > 0.0 {
+            wi.z * (wo.z + self.root(wo.z)) / (wo.z * self.root(wi.z) + wi.z * self.root(wo.z))
+        } else {
+            0.0
+        }
     }
 }
 
