@@ -31,3 +31,9 @@ impl<S: Simd> Fused for Best<S> {
 pub(super) fn greater(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
+
+/// The lesser of two numbers; the second if one is not a number.
+#[inline(always)]
+pub(super) fn lesser(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}

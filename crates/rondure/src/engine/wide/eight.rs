@@ -5,7 +5,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f64x8};
 
-use super::leaf::{LAST_STEP, ROUNDING};
+use super::leaf::{LAST_STEP2, ROUNDING};
 use crate::numeric::UNIT_ROUNDOFF;
 
 /// How many spots are looked at together.
@@ -41,7 +41,7 @@ impl Eight {
         let half = f64x8::splat(simd, 0.5);
         let (mut s, mut tau) = (guess, spot);
         let (mut by_s, mut by_tau) = (guess, spot);
-        let (mut per, mut along, mut across) = (guess, guess, guess);
+        let (mut per, mut along, mut across, mut radius) = (guess, guess, guess, guess);
         for _ in 0..2 {
             let (inner_r, inner_z) = (r3.mul_add(s, r2), z3.mul_add(s, z2));
             let r = inner_r.mul_add(s, r1).mul_add(s, r0);
@@ -60,8 +60,9 @@ impl Eight {
             tau -= by_tau;
             along = dz.abs().mul_add(r, rho.abs());
             across = r * (dr.abs() + drop.abs());
+            radius = r;
         }
-        let last2 = f64x8::splat(simd, LAST_STEP * LAST_STEP);
+        let last2 = f64x8::splat(simd, LAST_STEP2) * radius.min(f64x8::splat(simd, 1.0));
         let rounding = (far + f64x8::splat(simd, 2.0)) * f64x8::splat(simd, ROUNDING) * per.abs();
         let (off_s, off) = (rounding * along, rounding * across);
         let off = tau.abs().mul_add(f64x8::splat(simd, 4.0 * UNIT_ROUNDOFF), off);

@@ -9,7 +9,7 @@
 //! ray's x and y, which keeps it exact near the axis. Two steps do; what takes longer, or leads
 //! elsewhere, is left to the exact engine.
 
-use super::arithmetic::Fused;
+use super::arithmetic::{Fused, lesser};
 use super::course::Course;
 use super::eight::WIDTH;
 use super::quadric::Quadric;
@@ -64,8 +64,9 @@ pub(super) enum Finding {
     Unknown,
 }
 
-/// A step in s, or along the ray, shorter than this is the last: what remains is some multiple of its square.
-pub(super) const LAST_STEP: f64 = 1.0 / (1_u64 << 27) as f64;
+/// A step in s, or along the ray, whose square is no more than this times r is the last: what remains of f is some multiple
+/// of that square, and of g, whose own rounding shrinks with r, too.
+pub(super) const LAST_STEP2: f64 = 1.0 / (1_u64 << 54) as f64;
 /// More than two are needed only near an end on the axis, and near a tangency.
 const MORE_STEPS: u32 = 3;
 
@@ -248,6 +249,8 @@ struct Step {
     tau: f64,
     by_s: f64,
     by_tau: f64,
+    /// The radius before the step.
+    r: f64,
     /// One over the determinant.
     per: f64,
     /// By how much rounding in f and g, per unit of length, moves s and tau, times the determinant.
@@ -280,6 +283,7 @@ impl Step {
             tau: tau - by_tau,
             by_s,
             by_tau,
+            r,
             per,
             along: fma.fused(d.z.abs(), r, rho.abs()),
             across: r * (dr.abs() + dz.abs()),
@@ -288,7 +292,7 @@ impl Step {
 
     #[inline(always)]
     fn is_last(&self, course: &Course) -> bool {
-        let last2 = LAST_STEP * LAST_STEP;
+        let last2 = LAST_STEP2 * lesser(self.r, 1.0);
         self.by_s * self.by_s <= last2 && self.by_tau * self.by_tau * course.length2 <= last2
     }
 }
