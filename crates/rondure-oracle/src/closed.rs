@@ -152,7 +152,7 @@ fn one_profile(
         if tally.failures.len() > failures
             && let Some(last) = tally.failures.last_mut()
         {
-            last.push_str(&format!("\n  at profile {index} of seed {seed}: {profile:?}"));
+            last.push_str(&format!("\n  at closed::profile({seed}, {index})"));
         }
     }
 }

@@ -6,7 +6,8 @@
 //!
 //! What is left over is lost or extra, unless the line is nearer than [`TANGENCY_BAND`] to having another number
 //! of hits, *and* what is left over is what such a touch takes or gives: two hits with hardly any depth between
-//! them, or one hardly beyond a joint ([`Loose`]). A touch excuses no other hit of its line.
+//! them, or one hardly beyond a joint ([`Loose`]). A touch excuses no other hit of its line. Nor is a pair of hits
+//! lost or extra if the line is nearer than that to the surface all the way from one to the other.
 
 use core::{cmp::Ordering, fmt};
 
@@ -42,37 +43,45 @@ pub fn allowed(hit: &OracleHit, speed: f64, size: f64, reach: f64) -> f64 {
     moved / incidence.max(LEAST_INCIDENCE) + 2.0 * UNIT_ROUNDOFF * (hit.t.hi * speed).abs()
 }
 
-/// Which hit stands for which exact one, as many as possible, and those first that come first in `order`.
+/// Which hit stands for which exact one, as many as possible, and those first that come first in `order`; `off`
+/// tells how far apart the two are if they fit. Of hits that fit an exact one takes the nearest that it can have.
 fn pair_up(
     found: usize,
     order: &[usize],
-    fits: &impl Fn(usize, usize) -> bool,
+    off: &impl Fn(usize, usize) -> Option<f64>,
 ) -> Vec<Option<usize>> {
     // Hungarian method: an exact hit takes one from another that can take a third instead.
     fn settle(
         exact: usize,
-        fits: &impl Fn(usize, usize) -> bool,
+        off: &impl Fn(usize, usize) -> Option<f64>,
         taken: &mut [Option<usize>],
         seen: &mut [bool],
     ) -> bool {
-        (0..taken.len()).any(|hit| {
-            if seen[hit] || !fits(hit, exact) {
+        let mut fitting: Vec<(f64, usize)> =
+            (0..taken.len()).filter_map(|hit| Some((off(hit, exact)?, hit))).collect();
+        // Those that are free first: who has come before has chosen better.
+        fitting.sort_by(|a, b| {
+            let taken = |hit: &(f64, usize)| taken[hit.1].is_some();
+            taken(a).cmp(&taken(b)).then(a.0.total_cmp(&b.0))
+        });
+        fitting.into_iter().any(|(_, hit)| {
+            if seen[hit] {
                 return false;
             }
             seen[hit] = true;
-            let free = taken[hit].is_none_or(|other| settle(other, fits, taken, seen));
+            let free = taken[hit].is_none_or(|other| settle(other, off, taken, seen));
             if free {
                 taken[hit] = Some(exact);
             }
             free
         })
     }
-    if found == order.len() && (0..found).all(|i| fits(i, i)) {
+    if found == order.len() && (0..found).all(|i| off(i, i).is_some()) {
         return (0..found).map(Some).collect();
     }
     let mut taken = vec![None; found];
     for &exact in order {
-        settle(exact, fits, &mut taken, &mut vec![false; found]);
+        settle(exact, off, &mut taken, &mut vec![false; found]);
     }
     taken
 }
@@ -107,14 +116,19 @@ impl Loose {
     }
 }
 
-/// Whether hits that are lost or extra are no more than touches of this depth, as a fraction of the size.
-fn are_touches(loose: &mut [Loose], speed: f64, depth: f64) -> bool {
-    loose.sort_by(|a, b| a.t.total_cmp(&b.t));
+/// Whether hits that are lost or extra, in order of t, are no more than touches of this depth, as a fraction of the size.
+fn are_touches(loose: &[Loose], speed: f64, depth: f64) -> bool {
     (0..loose.len()).all(|i| {
         let one = &loose[i];
         let beside = |j: usize| loose.get(j).is_some_and(|other| one.is_touch(other, speed, depth));
         one.is_beside_joint(depth) || beside(i + 1) || i.checked_sub(1).is_some_and(beside)
     })
+}
+
+/// Whether hits that are lost or extra, in order of t, are pairs between which the line does not leave the surface.
+fn run_along(loose: &[Loose], straying: impl Fn([f64; 2]) -> f64, depth: f64) -> bool {
+    loose.len().is_multiple_of(2)
+        && loose.chunks(2).all(|pair| straying([pair[0].t, pair[1].t]) <= depth)
 }
 
 /// What asks for hits: a surface, or a placed one.
@@ -200,7 +214,7 @@ pub(crate) fn length(v: Vec3) -> f64 {
     scale * (v * scale.recip()).length()
 }
 
-/// As many failures are told in words.
+/// As many failures of each kind are told in words.
 const TOLD: usize = 8;
 
 /// What came of many rays.
@@ -272,34 +286,62 @@ impl Tally {
         self.compared += other.compared;
         self.leaving += other.leaving;
         self.stuck += other.stuck;
-        self.failures.extend(other.failures);
-        self.failures.truncate(TOLD);
+        for failure in other.failures {
+            self.fail(|| failure);
+        }
     }
 
+    /// Words that begin with the kind of failure and a colon.
     pub(crate) fn fail(&mut self, what: impl FnOnce() -> String) {
-        if self.failures.len() < TOLD {
-            self.failures.push(what());
+        let kind = |words: &str| words.split(':').next().map(str::to_owned);
+        let what = what();
+        let same = self.failures.iter().filter(|told| kind(told) == kind(&what)).count();
+        if same < TOLD {
+            self.failures.push(what);
         }
+    }
+
+    /// The counts alone, in one line.
+    pub fn counts(&self) -> String {
+        format!(
+            "{} rays, {} compared, {} hits; worst |dt| {:.2e} of the size, {:.2e} from {STEEP} of incidence \
+             on, {:.2} of what is allowed; {} sent on, {} stuck; lost {}, extra {}, odd {}, inexact {}, \
+             inconsistent {}; {} within {TANGENCY_BAND:e} of a tangency",
+            self.rays,
+            self.compared,
+            self.hits,
+            self.worst_forward,
+            self.worst_steep,
+            self.worst_of_allowed,
+            self.leaving,
+            self.stuck,
+            self.lost,
+            self.extra,
+            self.odd,
+            self.inexact,
+            self.inconsistent,
+            self.tangent
+        )
     }
 
     /// Compares one ray's hits; `even` if the surface bounds a solid.
     pub fn compare(&mut self, target: &impl Target, oracle: &Oracle, ray: &Ray, even: bool) {
         let line = target.line(ray);
-        self.compare_with(target, ray, oracle.size(), even, oracle.hits_of_line(&line), || {
-            oracle.tangency_of_line(&line)
-        });
+        let expected = oracle.hits_of_line(&line);
+        self.compare_with(target, oracle, &line, ray, even, expected);
     }
 
     /// Compares one ray's hits with given ones.
     pub fn compare_with(
         &mut self,
         target: &impl Target,
+        oracle: &Oracle,
+        line: &ExactLine,
         ray: &Ray,
-        size: f64,
         even: bool,
         mut expected: Vec<OracleHit>,
-        tangency: impl Fn() -> f64,
     ) {
+        let size = oracle.size();
         self.rays += 1;
         self.compared += 1;
         let mut found = Vec::new();
@@ -334,7 +376,10 @@ impl Tally {
         may.sort_by(by_reach);
         let must = order.clone();
         order.append(&mut may);
-        let pairs = pair_up(found.len(), &order, &|hit, i| off(&found[hit], i) <= reaches[i]);
+        let pairs = pair_up(found.len(), &order, &|hit, i| {
+            let off = off(&found[hit], i);
+            (off <= reaches[i]).then_some(off)
+        });
         for (hit, i) in found.iter().zip(&pairs).filter_map(|(hit, i)| i.map(|i| (hit, i))) {
             let error = off(hit, i);
             self.worst_forward = self.worst_forward.max(error / size);
@@ -347,7 +392,7 @@ impl Tally {
         let extra = found.iter().zip(&pairs).filter(|(_, i)| i.is_none()).map(|(hit, _)| hit);
         let extra: Vec<&Hit> = extra.collect();
         if !(lost.is_empty() && extra.is_empty()) {
-            let distance = tangency();
+            let distance = oracle.tangency_of_line(line);
             let of_exact = lost.iter().map(|&i| {
                 let h = &candidates[i];
                 Loose { t: h.t.hi, sine: h.incidence, joint: h.joint_distance }
@@ -357,8 +402,10 @@ impl Tally {
                 Loose { t: hit.t, sine, joint: joint / size }
             });
             let mut loose: Vec<Loose> = of_exact.chain(of_found).collect();
+            loose.sort_by(|a, b| a.t.total_cmp(&b.t));
             // The other hit of a touch may lie beyond the end of the range.
-            if distance <= band && (!whole || are_touches(&mut loose, speed / size, band)) {
+            let touches = distance <= band && (!whole || are_touches(&loose, speed / size, band));
+            if touches || run_along(&loose, |range| oracle.straying(line, range), band) {
                 self.tangent += 1;
                 return;
             }
@@ -439,26 +486,7 @@ fn describe(hits: &[OracleHit]) -> String {
 
 impl fmt::Display for Tally {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "{} rays, {} compared, {} hits; worst |dt| {:.2e} of the size, {:.2e} from {STEEP} of incidence \
-             on, {:.2} of what is allowed; {} sent on, {} stuck; lost {}, extra {}, odd {}, inexact {}, \
-             inconsistent {}; {} within {TANGENCY_BAND:e} of a tangency",
-            self.rays,
-            self.compared,
-            self.hits,
-            self.worst_forward,
-            self.worst_steep,
-            self.worst_of_allowed,
-            self.leaving,
-            self.stuck,
-            self.lost,
-            self.extra,
-            self.odd,
-            self.inexact,
-            self.inconsistent,
-            self.tangent
-        )?;
+        f.write_str(&self.counts())?;
         for failure in &self.failures {
             write!(f, "\n- {failure}")?;
         }

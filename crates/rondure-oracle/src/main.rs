@@ -147,7 +147,7 @@ fn closed_profiles(options: &Options) -> bool {
         let minutes = start.elapsed().as_secs() / 60;
         if told.fetch_max(minutes, Ordering::Relaxed) < minutes {
             let percent = 100.0 * tally.rays as f64 / plan.rays as f64;
-            eprintln!("{CLOSED_PROFILES}: {percent:.1} %, {minutes} min: {tally}");
+            eprintln!("{CLOSED_PROFILES}: {percent:.1} %, {minutes} min: {}", tally.counts());
         }
     });
     match outcome {

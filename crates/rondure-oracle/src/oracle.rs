@@ -14,6 +14,8 @@
 //! both, or none if it only touches there, and every line crosses a closed profile an even number of
 //! times. A line within a plane z = constant does not hit flat parts in that plane.
 
+mod along;
+
 use dashu_int::IBig;
 use rondure::{Affine, Profile, Ray, Vec3};
 
@@ -332,10 +334,18 @@ impl Oracle {
             (r - er).hypot(z - ez) / self.pieces.size
         });
         let own = incidence(at.tangent(piece));
+        let tangent = |piece: &Piece, end: usize| {
+            Place::at(piece, IBig::from(end as i64), 0, setup).tangent(piece)
+        };
         let beyond = |end: usize| {
-            self.beyond(piece, end).map_or(1.0, |(other, end)| {
-                incidence(Place::at(other, IBig::from(end as i64), 0, setup).tangent(other))
-            })
+            let next =
+                self.beyond(piece, end).map_or(1.0, |(next, end)| incidence(tangent(next, end)));
+            if !piece.ends_on_axis(end) {
+                return next;
+            }
+            // Beyond a pole the piece goes on as its mirror image.
+            let (tr, tz) = tangent(piece, end);
+            next.min(incidence((-tr, tz)))
         };
         let joint_incidence = if piece.is_speck {
             beyond(0).min(beyond(1))
@@ -399,10 +409,15 @@ impl Oracle {
                 for bracket in isolate(f, PARAMETER_BITS, PARAMETER_BITS) {
                     nearest = nearest.min(self.turning_distance(&setup, piece, &bracket));
                 }
+                for bracket in
+                    isolate(&radius_polynomial(&setup, piece), PARAMETER_BITS, PARAMETER_BITS)
+                {
+                    let at = Place::new(piece, &bracket, &setup);
+                    nearest = nearest.min(setup.length(&at.height, &at.q).abs());
+                }
             }
             for (end, neighbour) in piece.neighbours.iter().enumerate() {
-                let last = piece.controls[0].len() - 1;
-                let at_axis = piece.controls[0][end * last] == IBig::ZERO;
+                let at_axis = piece.ends_on_axis(end);
                 let turns = match neighbour {
                     Some(other) => {
                         let (one, two) =
@@ -520,6 +535,15 @@ impl Oracle {
 fn height_polynomial(setup: &Setup, piece: &Piece) -> Vec<IBig> {
     let [_, z, q] = &piece.controls;
     z.iter().zip(q).map(|(z, q)| z * &setup.lift - &setup.oz * q).collect()
+}
+
+/// a R^2 - k^2 q^2 in the Bernstein basis: 0 where the profile is as far from the axis as the line is at its
+/// closest. By the height that the line lacks there it may be raised to end on the profile.
+fn radius_polynomial(setup: &Setup, piece: &Piece) -> Vec<IBig> {
+    let [_, _, qq, rr] = &piece.squares;
+    let (of_r, of_q) = (&setup.a * &setup.lift * &setup.lift, &setup.k * &setup.k);
+    let q = |i: usize| if piece.polynomial { &qq[0] } else { &qq[i] };
+    rr.iter().enumerate().map(|(i, rr)| &of_r * rr - &of_q * q(i)).collect()
 }
 
 /// The sign of the slope at one end of a piece; 0 for a constant.

@@ -218,6 +218,12 @@ fn finish(raw: Raw, exponent: i64) -> Piece {
 }
 
 impl Piece {
+    /// Whether one of its ends, 0 or 1, lies on the axis.
+    pub(crate) fn ends_on_axis(&self, end: usize) -> bool {
+        let radii = &self.controls[0];
+        radii[end * (radii.len() - 1)] == IBig::ZERO
+    }
+
     /// The extent of the control points in r (0) or z (1).
     fn extent(&self, coordinate: usize, exponent: i64) -> f64 {
         let unit = |k: usize| to_f64(&self.controls[2][k], 0).recip();

@@ -3,7 +3,7 @@
 use rondure::{Profile, Ray, Surface};
 
 use crate::{
-    Oracle, Random, Tally, closed_form::Solid, compare::Target, oracle::OracleHit,
+    ExactLine, Oracle, Random, Tally, closed_form::Solid, compare::Target, oracle::OracleHit,
     profiles::standard,
 };
 
@@ -42,7 +42,7 @@ pub fn against_closed_form(
                 changes: 1,
             })
             .collect();
-        tally.compare_with(&surface, &ray, oracle.size(), true, expected, || oracle.tangency(&ray));
+        tally.compare_with(&surface, &oracle, &ExactLine::new(&ray), &ray, true, expected);
     }
 }
 

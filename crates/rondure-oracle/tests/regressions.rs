@@ -2,7 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
 use rondure::{Profile, Ray, Surface, Vec3};
-use rondure_oracle::{Oracle, Random, Tally, compare::TANGENCY_BAND};
+use rondure_oracle::{ExactLine, Oracle, Random, Tally, compare::TANGENCY_BAND};
 
 #[track_caller]
 fn check(path: &str, ray: Ray) {
@@ -148,6 +148,14 @@ fn level_beside_a_nearly_level_wall() {
     is_tangent(path, ray);
 }
 
+/// A level line that passes a hair above the crown and a hair outside its circle touches when it is lowered by the one,
+/// not moved by the other.
+#[test]
+fn level_above_a_crown_and_outside_it() {
+    let above = Vec3::new(-3.0, 1.0 + 3e-10, 1.0 + f64::EPSILON);
+    is_tangent("M 1 -1 A 1 1 0 0 1 1 1 Z", Ray::line(above, Vec3::X));
+}
+
 /// Through the pole F ends in what is all but a double root, and the search for the hit on the far wall of the
 /// same piece stayed there.
 #[test]
@@ -187,4 +195,33 @@ fn close_to_the_axis() {
         tally.assert_clean();
         assert!(tally.worst_steep < 1e-15, "{path}: {tally}");
     }
+}
+
+/// A line through a pole may as well hit the mirror image of the wall, which it all but runs along.
+#[test]
+fn through_a_pole_along_the_mirrored_wall() {
+    let profile = Profile::from_path_data("M 0 1 L 1 0 L 0 -1").unwrap();
+    let oracle = Oracle::new(&profile);
+    let origin = Vec3::new(-2.0, 0.0, -1.0 - 2e-6 - 1e-10);
+    let hits = oracle.hits(&Ray::line(origin, Vec3::new(1.0, 0.0, 1.0 + 1e-6)));
+    let pole = hits.last().unwrap();
+    assert!(pole.joint_distance < 1e-9 && pole.incidence > 0.9, "{pole:?}");
+    assert!(pole.joint_incidence < 1e-6, "{pole:?}");
+}
+
+/// How far lines stray from a cylinder of radius and height 1: along its lid, its side, and its diagonal.
+#[test]
+fn straying_from_a_cylinder() {
+    let oracle = Oracle::new(&Profile::from_path_data("M 0 0 L 1 0 L 1 1 L 0 1").unwrap());
+    let straying = |origin, direction| {
+        oracle.straying(&ExactLine::new(&Ray::line(origin, direction)), [-0.75, 0.75])
+    };
+    assert!(straying(Vec3::new(0.0, 0.0, 1.0), Vec3::X) < 1e-17);
+    assert!(straying(Vec3::new(0.0, 0.5, 1.0 + 1e-13), Vec3::X) < 2e-13);
+    let side = straying(Vec3::new(1e6 + 1.0 + 1e-9, 0.0, 0.5), Vec3::new(0.0, 0.0, 0.5));
+    assert!((side - 1e6).abs() < 1e-3, "{side}");
+    let side = straying(Vec3::new(0.6, 0.8, 0.5), Vec3::new(0.0, 0.0, 0.5));
+    assert!(side < 1e-16, "{side}");
+    let diagonal = straying(Vec3::new(0.0, 0.0, 0.5), Vec3::new(0.25, 0.0, 0.25));
+    assert!((diagonal - 0.5).abs() < 1e-15, "{diagonal}");
 }
