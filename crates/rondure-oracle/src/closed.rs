@@ -157,6 +157,11 @@ fn one_profile(
     }
 }
 
+/// From this cosine on between normals, a hit beside the place that was left is on the same face of the surface.
+/// Otherwise the surface turns within some 1e-14 of its size, as at the tip of a needle, and has no side there that a
+/// ray could start from.
+const SAME_FACE: f64 = 0.999;
+
 /// Sends a ray on from one of its hits, the same way. It must not hit what it leaves: the same piece, nearby,
 /// on the same side of the axis, from the same side of the surface. If it has not as many hits before it as the line
 /// has behind that one, the oracle is asked.
@@ -179,7 +184,7 @@ fn send_on(
         let along = again.point.x * at.point.x + again.point.y * at.point.y;
         // A hit farther on may be the next of many, with a tangency between.
         let near = n.t * again.normal.dot(on.direction).abs() <= 4.0 * at.error;
-        sides > 0.0 && along > 0.0 && near
+        sides > 0.0 && along > 0.0 && near && again.normal.dot(at.normal) > SAME_FACE
     });
     if back {
         tally.stuck += 1;

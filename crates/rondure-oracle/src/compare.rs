@@ -368,12 +368,15 @@ impl Tally {
         let band = if self.strict { 0.5 * TANGENCY_BAND } else { TANGENCY_BAND.max(far) };
         let reaches: Vec<f64> = candidates.iter().map(|h| allowed(h, speed, size, reach)).collect();
         let off = |hit: &Hit, i: usize| candidates[i].t.distance(hit.t).abs() * speed;
-        // Those that are known best choose first, and those at an end of the range last.
+        // Those that have the nearest hit choose first, and those at an end of the range last.
         let (mut order, mut may): (Vec<usize>, Vec<usize>) =
             (0..candidates.len()).partition(|&i| !at_end(&candidates[i]));
-        let by_reach = |a: &usize, b: &usize| reaches[*a].total_cmp(&reaches[*b]);
-        order.sort_by(by_reach);
-        may.sort_by(by_reach);
+        let nearest: Vec<f64> = (0..candidates.len())
+            .map(|i| found.iter().map(|hit| off(hit, i)).fold(f64::INFINITY, f64::min))
+            .collect();
+        let by_nearest = |a: &usize, b: &usize| nearest[*a].total_cmp(&nearest[*b]);
+        order.sort_by(by_nearest);
+        may.sort_by(by_nearest);
         let must = order.clone();
         order.append(&mut may);
         let pairs = pair_up(found.len(), &order, &|hit, i| {

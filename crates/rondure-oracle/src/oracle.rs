@@ -202,6 +202,17 @@ impl Setup {
             .collect()
     }
 
+    /// Whether |dz| < 2^-`LEVEL_BITS` |d|.
+    fn is_all_but_level(&self) -> bool {
+        self.dz == IBig::ZERO || self.flatness > LEVEL_BITS
+    }
+
+    /// How far above the line, where it is closest to the axis, a point of the profile lies.
+    fn below(&self, at: &Place) -> f64 {
+        let low = &at.height * &self.a + &self.b * &self.dz * &at.q;
+        self.length(&low, &(&self.a * &at.q))
+    }
+
     /// The length `numerator / denominator` in the object's frame.
     fn length(&self, numerator: &IBig, denominator: &IBig) -> f64 {
         ratio_f64(numerator, &(denominator * &self.scale), self.unit)
@@ -409,11 +420,11 @@ impl Oracle {
                 for bracket in isolate(f, PARAMETER_BITS, PARAMETER_BITS) {
                     nearest = nearest.min(self.turning_distance(&setup, piece, &bracket));
                 }
-                for bracket in
-                    isolate(&radius_polynomial(&setup, piece), PARAMETER_BITS, PARAMETER_BITS)
-                {
-                    let at = Place::new(piece, &bracket, &setup);
-                    nearest = nearest.min(setup.length(&at.height, &at.q).abs());
+            }
+            if setup.is_all_but_level() {
+                let f = radius_polynomial(&setup, piece);
+                for bracket in isolate(&f, PARAMETER_BITS, PARAMETER_BITS) {
+                    nearest = nearest.min(setup.below(&Place::new(piece, &bracket, &setup)).abs());
                 }
             }
             for (end, neighbour) in piece.neighbours.iter().enumerate() {
@@ -432,7 +443,7 @@ impl Oracle {
                 let rises = |i: usize, start: bool| {
                     slope_at(&height_polynomial(&setup, &self.pieces.list[i]), start)
                 };
-                let flat = setup.flatness > LEVEL_BITS
+                let flat = setup.is_all_but_level()
                     && neighbour.is_none_or(|n| rises(index, end == 0) * rises(n, end != 0) <= 0);
                 if flat {
                     nearest = nearest.min(self.level_distance(&setup, piece, end));
@@ -505,8 +516,7 @@ impl Oracle {
         let at = Place::at(piece, IBig::from(end as i64), 0, setup);
         let r = ratio_f64(&at.r, &at.q, self.pieces.exponent);
         // All relative to the point closest to the axis, where t = -b/a.
-        let low = &at.height * &setup.a + &setup.b * &setup.dz * &at.q;
-        let below = setup.length(&low, &(&setup.a * &at.q));
+        let below = setup.below(&at);
         let closest = setup.area(&(&setup.k * &setup.k), &setup.a).sqrt();
         let across = to_f64(&setup.a, 2 * setup.unit_direction).sqrt();
         let tilt = to_f64(&setup.dz, setup.unit_direction).abs() / across;
