@@ -15,7 +15,9 @@ use std::sync::{
 };
 use std::thread;
 
-use rondure::{EngineOptions, Hit, Hits, Method, Ray, RayColumns, Surface, engine::Instructions};
+use rondure::{
+    EngineOptions, Hit, Hits, Method, Ray, RayColumns, Surface, Vec3, engine::Instructions,
+};
 
 pub use count::{Count, Failure};
 pub use judge::{Answers, Judge, SAME};
@@ -147,6 +149,9 @@ pub fn compare(shape: &Shape, entrants: &[Entrant], amount: &Amount) -> Vec<Coun
                         scene.adversarial(i, &mut random)
                     }
                 }));
+                if start / BLOCK % 2 == 1 {
+                    make_alike(&mut bench.rays, scene.radius, &mut random);
+                }
                 bench.answer(&exact, entrants, &judge, &mut counts);
             }
             done.lock().unwrap_or_else(PoisonError::into_inner).push((number, counts));
@@ -166,6 +171,30 @@ pub fn compare(shape: &Shape, entrants: &[Entrant], amount: &Amount) -> Vec<Coun
         }
     }
     sums
+}
+
+/// Makes rays like the first of their sixteen, which batches answer together: moved and turned by something between
+/// 1e-9 and a tenth, the same for all sixteen, and now and then not at all.
+fn make_alike(rays: &mut [Ray], radius: f64, random: &mut Random) {
+    for alike in rays.chunks_mut(16) {
+        let [moved, turned] = [0; 2].map(|_| {
+            if random.below(4) == 0 { 0.0 } else { 10f64.powf(random.within(-9.0, -1.0)) }
+        });
+        let Some((&mut first, others)) = alike.split_first_mut() else { continue };
+        let turned = turned * first.direction.max_abs();
+        for ray in others {
+            let mut off = |by: f64| {
+                let mut one = || by * random.within(-1.0, 1.0);
+                Vec3::new(one(), one(), one())
+            };
+            let (origin, direction) = (off(moved * radius), off(turned));
+            *ray = Ray {
+                origin: first.origin + origin,
+                direction: first.direction + direction,
+                ..first
+            };
+        }
+    }
 }
 
 /// A block of rays and what was answered, kept for their memory.

@@ -1,26 +1,12 @@
-//! Eight leaves at once: where a ray meets the quadrics beside them, in f32.
-//!
-//! The ray begins where it enters the box round the block, and heights and squared radii count from a corner
-//! of that box: no number is then larger than the block demands, and f32 is good to a few millionths of it. With
-//! zeta0 the ray's height there above the middle of a leaf, Q along the ray is U tau^2 + 2 V tau + W:
-//!
-//! ```text
-//! H = beta / 2 + p zeta0        U = alpha a + p dz^2
-//!                               V = alpha b + dz H
-//!                               W = alpha c + zeta0 (H + beta / 2) + gamma
-//! ```
-//!
-//! Let Q be off by `e` at the most: the fit's error and the rounding of f32. Where |Q| <= e along the ray, Q' is
-//! at least 2 sqrt(V^2 - U W - |U| e). If that is more than the curve's own h' lambda' (see
-//! [`quadric`](super::quadric)), the ray crosses the leaf once at the most about each of the two roots,
-//! no farther from it than e / sqrt(V^2 - U W); that is so beyond `tangency`. Below minus that there is no
-//! crossing. Between the two the ray may be tangent, which is left to the exact engine.
+//! Eight leaves, with what one needs to know of them to say where a ray may hit them ([`meet`](super::meet)), in
+//! f32.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x8};
+use fearless_simd::{Simd, SimdFloat, f32x8};
 
 use super::boxes::{Extent, PADDING};
 use super::course::Course;
+use super::meet::{Beam, Meeting, Shells, meet};
 use super::quadric::Quadric;
 use crate::numeric::UNIT_ROUNDOFF;
 
@@ -35,9 +21,6 @@ const LARGEST: f64 = 1e12;
 /// Bounds are raised by this: more than their own roundings, and than the error of an approximate reciprocal,
 /// which is good to 2^-11 at least.
 const SLACK: f64 = 1.01;
-/// Beyond this lambda a leaf's quadric need not be near the curve (see [`quadric`](super::quadric)), which has ended long
-/// before.
-const BEYOND: f32 = 1.125;
 /// More than any discriminant, and than any error that matters.
 const UNKNOWN: f32 = 1e30;
 
@@ -68,34 +51,6 @@ pub(super) struct Block {
     blur: Lanes,
     /// From where z and w count.
     corner: [f64; 2],
-}
-
-/// What was found of eight leaves.
-pub(super) struct Meeting<S: Simd> {
-    /// Where tau counts from.
-    pub(super) origin: f64,
-    /// The two roots, the first one less than the second, how far off each may be, and the least that
-    /// they may be.
-    pub(super) tau: [f32x8<S>; 2],
-    pub(super) blur: f32x8<S>,
-    pub(super) low: [f32x8<S>; 2],
-    /// lambda there.
-    pub(super) lambda: [f32x8<S>; 2],
-    /// Which leaves may have a hit at the first root, and above those eight bits, at the second one; no
-    /// more than one each.
-    pub(super) may: u32,
-    /// Which leaves have one for certain, if that was asked for.
-    pub(super) sure: u32,
-    /// Which leaves the ray may be tangent to.
-    pub(super) tangent: u32,
-}
-
-impl<S: Simd> Meeting<S> {
-    /// Whether the ray misses all leaves.
-    #[inline(always)]
-    pub(super) fn misses(&self) -> bool {
-        self.may | self.tangent == 0
-    }
 }
 
 impl Block {
@@ -185,106 +140,69 @@ impl Block {
         ray: &Course,
         origin: f32,
         end: f64,
-    ) -> Meeting<S> {
+    ) -> Meeting<f32x8<S>> {
         let origin = f64::from(origin);
-        let (own_a, own_b) = (ray.a as f32, ray.a * origin + ray.b);
+        let own_b = ray.a * origin + ray.b;
         // w there, which is (own_b + b) origin + c.
-        let own_c = ((own_b + ray.b) * origin + (ray.c - self.corner[1])) as f32;
-        let own_z = (ray.direction.z * origin + (ray.origin.z - self.corner[0])) as f32;
-        let (own_b, own_dz) = (own_b as f32, ray.direction.z as f32);
-        let length2 = ray.length2 as f32;
-        let [start, end] = [ray.range[0], end].map(|t| (t - origin) as f32);
-        let (alpha, p) = (load(simd, &self.alpha), load(simd, &self.p));
-        let half_beta = load(simd, &self.half_beta);
-        let (a, b, c) = (splat(simd, own_a), splat(simd, own_b), splat(simd, own_c));
-        let dz = splat(simd, own_dz);
-        let zeta = splat(simd, own_z) - load(simd, &self.z);
-        let h = p.mul_add(zeta, half_beta);
-        let u = p.mul_add(splat(simd, own_dz * own_dz), alpha * a);
-        // -V
-        let v = h.mul_sub(-dz, alpha * b);
-        let w = zeta.mul_add(h + half_beta, alpha.mul_add(c, load(simd, &self.gamma)));
-        let discriminant = v.mul_sub(v, u * w);
-        let tangency = load(simd, &self.tangency) * splat(simd, length2);
-        let tangency = load(simd, &self.bend).mul_add(u.abs(), tangency);
-        let steep = discriminant.simd_gt(tangency);
-        let root = discriminant.sqrt();
-        let q = v + root.copysign(v);
-        let (tau_a, tau_b) = (q / u, w / q);
-        let (near, far) = (tau_a.min(tau_b), tau_a.max(tau_b));
-        let per_root = root.approximate_recip();
-        let one = splat(simd, 1.0);
-        let room = (load(simd, &self.room) * splat(simd, length2.sqrt())).mul_add(per_root, one);
-        let blur = load(simd, &self.blur) * per_root;
-        // lambda as a quadratic in tau.
-        let [l0, l1, l2] = &self.lambda;
-        let (lz, lw) = (load(simd, l0), load(simd, l1));
-        let l0 = lz.mul_add(zeta, lw.mul_add(c, load(simd, l2)));
-        let l1 = lz.mul_add(dz, lw * (b + b));
-        let l2 = lw * a;
-        let at_near = l2.mul_add(near, l1).mul_add(near, l0);
-        let at_far = l2.mul_add(far, l1).mul_add(far, l0);
-        // Another point of the quadric with the same lambda has another height.
-        let height = dz.abs().mul_add(blur, load(simd, &self.height));
-        let near_height = dz.mul_add(near, zeta).abs();
-        let far_height = dz.mul_add(far, zeta).abs();
-        let (start, end) = (splat(simd, start), splat(simd, end));
-        let near_ends = [near - blur, near + blur];
-        let far_ends = [far - blur, far + blur];
-        let may = [
-            steep
-                & near_height.simd_le(height)
-                & at_near.abs().simd_le(room)
-                & near_ends[1].simd_ge(start)
-                & near_ends[0].simd_le(end),
-            steep
-                & far_height.simd_le(height)
-                & at_far.abs().simd_le(room)
-                & far_ends[1].simd_ge(start)
-                & far_ends[0].simd_le(end),
-        ];
-        let mut sure = 0;
-        if SURE {
-            let room = one + one - room;
-            let height = (dz.abs() * blur).mul_add(splat(simd, -2.0), height);
-            let first = may[0]
-                & near_height.simd_le(height)
-                & at_near.abs().simd_le(room)
-                & near_ends[0].simd_ge(start)
-                & near_ends[1].simd_le(end);
-            let second = may[1]
-                & far_height.simd_le(height)
-                & at_far.abs().simd_le(room)
-                & far_ends[0].simd_ge(start)
-                & far_ends[1].simd_le(end);
-            sure = (first | second).to_bitmask() as u32;
-        }
-        // Also where one is not a number.
-        let clear = steep | discriminant.simd_lt(-tangency);
-        let mut tangent = !clear.to_bitmask() as u32 & 0xff;
-        if tangent != 0 {
-            // Where it would be, how far round it, and whether the leaf is there.
-            let middle = v / u;
-            let around = ((tangency + tangency).sqrt() + load(simd, &self.blur)) / u.abs();
-            let slope = l1.abs() + (l2 + l2).abs() * (middle.abs() + around);
-            let lambda = l2.mul_add(middle, l1).mul_add(middle, l0).abs() - slope * around;
-            let zeta = dz.mul_add(middle, zeta).abs() - dz.abs() * around;
-            let away = lambda.simd_gt(splat(simd, BEYOND))
-                | zeta.simd_gt(load(simd, &self.height))
-                | (middle + around).simd_lt(start)
-                | (middle - around).simd_gt(end);
-            tangent &= !away.to_bitmask() as u32;
-        }
-        let low = [near_ends[0], far_ends[0]];
-        let may = (may[0].to_bitmask() | may[1].to_bitmask() << LANES) as u32;
-        let lambda = [at_near, at_far];
-        Meeting { origin, tau: [near, far], blur, low, lambda, may, sure, tangent }
+        let own_c = (own_b + ray.b) * origin + (ray.c - self.corner[1]);
+        let own_z = ray.direction.z * origin + (ray.origin.z - self.corner[0]);
+        let (dz, length2) = (ray.direction.z as f32, ray.length2 as f32);
+        let beam = Beam {
+            a: splat(simd, ray.a as f32),
+            b: splat(simd, own_b as f32),
+            c: splat(simd, own_c as f32),
+            z: splat(simd, own_z as f32),
+            dz: splat(simd, dz),
+            dz2: splat(simd, dz * dz),
+            length: splat(simd, length2.sqrt()),
+            length2: splat(simd, length2),
+            range: [ray.range[0], end].map(|t| splat(simd, (t - origin) as f32)),
+        };
+        let load = |lanes: &Lanes| f32x8::from_slice(simd, lanes);
+        let shells = Shells {
+            z: load(&self.z),
+            alpha: load(&self.alpha),
+            half_beta: load(&self.half_beta),
+            gamma: load(&self.gamma),
+            p: load(&self.p),
+            lambda: self.lambda.each_ref().map(load),
+            height: load(&self.height),
+            tangency: load(&self.tangency),
+            bend: load(&self.bend),
+            room: load(&self.room),
+            blur: load(&self.blur),
+        };
+        meet::<S, _, SURE>(simd, &shells, &beam)
     }
-}
 
-#[inline(always)]
-fn load<S: Simd>(simd: S, lanes: &Lanes) -> f32x8<S> {
-    f32x8::from_slice(simd, lanes)
+    /// One of the leaves, for many rays.
+    #[inline(always)]
+    pub(super) fn shell<S: Simd, V: SimdFloat<S, Element = f32>>(
+        &self,
+        simd: S,
+        lane: usize,
+    ) -> Shells<V> {
+        let splat = |lanes: &Lanes| V::splat(simd, lanes[lane % LANES]);
+        Shells {
+            z: splat(&self.z),
+            alpha: splat(&self.alpha),
+            half_beta: splat(&self.half_beta),
+            gamma: splat(&self.gamma),
+            p: splat(&self.p),
+            lambda: self.lambda.each_ref().map(splat),
+            height: splat(&self.height),
+            tangency: splat(&self.tangency),
+            bend: splat(&self.bend),
+            room: splat(&self.room),
+            blur: splat(&self.blur),
+        }
+    }
+
+    /// From where z and w count.
+    #[inline(always)]
+    pub(super) fn corner(&self) -> [f64; 2] {
+        self.corner
+    }
 }
 
 #[inline(always)]

@@ -5,7 +5,7 @@
 //! stretch lies within the inner cylinder if both its ends do.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x8};
+use fearless_simd::{Simd, SimdFloat, f32x8};
 
 use super::course::{Course, NEAR};
 
@@ -59,16 +59,16 @@ impl Extent {
     }
 }
 
-/// A ray for these tests.
+/// A ray for these tests, or one in each lane of a vector.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Slabs {
-    a: f32,
-    b: f32,
-    c: f32,
-    oz: f32,
-    per_a: f32,
-    per_dz: f32,
-    start: f32,
+pub(super) struct Slabs<T = f32> {
+    a: T,
+    b: T,
+    c: T,
+    oz: T,
+    per_a: T,
+    per_dz: T,
+    start: T,
 }
 
 impl Slabs {
@@ -94,6 +94,97 @@ impl Slabs {
             start: ray.range[0] as f32,
         }
     }
+
+    /// The same from another parameter on.
+    #[inline(always)]
+    pub(super) fn starting(self, start: f32) -> Self {
+        Self { start, ..self }
+    }
+
+    /// The same in all lanes.
+    #[inline(always)]
+    fn splat<S: Simd, V: SimdFloat<S, Element = f32>>(&self, simd: S) -> Slabs<V> {
+        let splat = |value| V::splat(simd, value);
+        let &Self { a, b, c, oz, per_a, per_dz, start } = self;
+        Slabs {
+            a: splat(a),
+            b: splat(b),
+            c: splat(c),
+            oz: splat(oz),
+            per_a: splat(per_a),
+            per_dz: splat(per_dz),
+            start: splat(start),
+        }
+    }
+}
+
+/// What [`Slabs`] are made of, for many rays.
+pub(super) struct Rods<V> {
+    pub(super) a: V,
+    pub(super) b: V,
+    pub(super) c: V,
+    pub(super) oz: V,
+    pub(super) dz: V,
+    pub(super) length2: V,
+    pub(super) start: V,
+}
+
+impl<V> Slabs<V> {
+    /// As [`new`](Slabs::new), lane by lane.
+    #[inline(always)]
+    pub(super) fn of_many<S: Simd>(simd: S, rays: &Rods<V>) -> Self
+    where
+        V: SimdFloat<S, Element = f32>,
+    {
+        let &Rods { a, b, c, oz, dz, length2, start } = rays;
+        let (one, least) = (V::splat(simd, 1.0), V::splat(simd, LEAST));
+        let a = a.max(least * least * length2);
+        let least_dz = least * length2.min(one);
+        let dz = dz.abs().simd_lt(least_dz).select(least_dz.copysign(dz), dz);
+        Self { a, b, c, oz, per_a: one / a, per_dz: one / dz, start }
+    }
+}
+
+/// Boxes, one in each lane or the same in all.
+pub(super) struct Walls<V> {
+    z: [V; 2],
+    w: [V; 2],
+}
+
+/// In which lanes a ray meets a box before `end`, and where it enters it.
+#[inline(always)]
+pub(super) fn enter<S: Simd, V: SimdFloat<S, Element = f32>>(
+    simd: S,
+    walls: &Walls<V>,
+    ray: &Slabs<V>,
+    end: V,
+) -> (V, u32) {
+    let &Slabs { a, b, c, oz, per_a, per_dz, start } = ray;
+    let t0 = (walls.z[0] - oz) * per_dz;
+    let t1 = (walls.z[1] - oz) * per_dz;
+    let zero = V::splat(simd, 0.0);
+    let discriminant = b.mul_add(b, a * (walls.w[1] - c));
+    let root = discriminant.max(zero).sqrt();
+    let (into, out) = ((-b - root) * per_a, (root - b) * per_a);
+    let enter = t0.min(t1).max(into).max(start);
+    let leave = t0.max(t1).min(out).min(end);
+    let slope = b + b;
+    let w_enter = a.mul_add(enter, slope).mul_add(enter, c);
+    let w_leave = a.mul_add(leave, slope).mul_add(leave, c);
+    let mask = enter.simd_le(leave)
+        & discriminant.simd_ge(zero)
+        & w_enter.max(w_leave).simd_ge(walls.w[0]);
+    (enter, mask.to_bitmask() as u32)
+}
+
+/// A bundle of rays: the points of each are no farther than `across`, seen along the axis, and `along` it from the point
+/// of one of them, `ray`, at the same parameter.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bundle {
+    pub(super) ray: Slabs,
+    pub(super) across: f32,
+    pub(super) along: f32,
+    pub(super) end: f32,
 }
 
 impl Boxes {
@@ -122,6 +213,34 @@ impl Boxes {
         }
         mask
     }
+
+    /// The same for a bundle of rays: where the ray in its middle would enter the boxes as they grow by its width.
+    #[inline(always)]
+    pub(super) fn test_bundle<S: Simd>(
+        &self,
+        simd: S,
+        bundle: &Bundle,
+        enter: &mut [f32; WIDTH],
+    ) -> u32 {
+        let (first, second) = enter.split_at_mut(HALF);
+        let mut mask = self.halves[0].test_bundle(simd, bundle, first);
+        if self.len > HALF {
+            mask |= self.halves[1].test_bundle(simd, bundle, second) << HALF;
+        }
+        mask
+    }
+
+    /// One of the boxes, for many rays.
+    #[inline(always)]
+    pub(super) fn walls<S: Simd, V: SimdFloat<S, Element = f32>>(
+        &self,
+        simd: S,
+        number: usize,
+    ) -> Walls<V> {
+        let half = &self.halves[number / HALF % 2];
+        let splat = |lanes: &[f32; HALF]| V::splat(simd, lanes[number % HALF]);
+        Walls { z: half.z.each_ref().map(splat), w: half.w.each_ref().map(splat) }
+    }
 }
 
 impl Half {
@@ -141,36 +260,53 @@ impl Half {
 
     #[inline(always)]
     fn test<S: Simd>(&self, simd: S, ray: &Slabs, end: f32, enters: &mut [f32]) -> u32 {
-        let (oz, per_dz) = (splat(simd, ray.oz), splat(simd, ray.per_dz));
-        let t0 = (load(simd, &self.z[0]) - oz) * per_dz;
-        let t1 = (load(simd, &self.z[1]) - oz) * per_dz;
-        let (a, b, c) = (splat(simd, ray.a), splat(simd, ray.b), splat(simd, ray.c));
-        let outer = load(simd, &self.w[1]);
-        let discriminant = b.mul_add(b, a * (outer - c));
-        let root = discriminant.max(splat(simd, 0.0)).sqrt();
-        let per_a = splat(simd, ray.per_a);
-        let (into, out) = ((-b - root) * per_a, (root - b) * per_a);
-        let enter = t0.min(t1).max(into).max(splat(simd, ray.start));
-        let leave = t0.max(t1).min(out).min(splat(simd, end));
-        let slope = b + b;
-        let w_enter = a.mul_add(enter, slope).mul_add(enter, c);
-        let w_leave = a.mul_add(leave, slope).mul_add(leave, c);
-        let mask = enter.simd_le(leave)
-            & discriminant.simd_ge(splat(simd, 0.0))
-            & w_enter.max(w_leave).simd_ge(load(simd, &self.w[0]));
+        let end = f32x8::splat(simd, end);
+        let (enter, mask) = enter::<S, f32x8<S>>(simd, &self.walls(simd), &ray.splat(simd), end);
         enter.store_slice(enters);
-        mask.to_bitmask() as u32
+        mask
+    }
+
+    #[inline(always)]
+    fn walls<S: Simd>(&self, simd: S) -> Walls<f32x8<S>> {
+        let load = |lanes: &[f32; HALF]| f32x8::from_slice(simd, lanes);
+        Walls { z: self.z.each_ref().map(load), w: self.w.each_ref().map(load) }
+    }
+
+    /// Which boxes some ray of a bundle may meet, and where `ray` would enter what they grow to.
+    #[inline(always)]
+    fn test_bundle<S: Simd>(&self, simd: S, bundle: &Bundle, enters: &mut [f32]) -> u32 {
+        let Walls { z, w } = self.walls(simd);
+        let (along, across) = (f32x8::splat(simd, bundle.along), f32x8::splat(simd, bundle.across));
+        // (rho + across)^2 - rho^2
+        let root = w[1].sqrt();
+        let more = across * (root + root + across);
+        let walls = Walls { z: [z[0] - along, z[1] + along], w: [w[0] - more, w[1] + more] };
+        let end = f32x8::splat(simd, bundle.end);
+        let (enter, mask) = enter::<S, f32x8<S>>(simd, &walls, &bundle.ray.splat(simd), end);
+        enter.store_slice(enters);
+        mask
     }
 }
 
-#[inline(always)]
-fn load<S: Simd>(simd: S, lanes: &[f32; HALF]) -> f32x8<S> {
-    f32x8::from_slice(simd, lanes)
-}
+/// The boxes round the leaves of a block.
+#[derive(Clone, Debug)]
+pub(super) struct LeafBoxes(Half);
 
-#[inline(always)]
-fn splat<S: Simd>(simd: S, value: f32) -> f32x8<S> {
-    f32x8::splat(simd, value)
+impl LeafBoxes {
+    /// Boxes round no more than eight leaves.
+    pub(super) fn new<'a>(extents: impl Iterator<Item = &'a Extent>) -> Self {
+        let mut half = Half::EMPTY;
+        for (lane, extent) in extents.enumerate().take(HALF) {
+            half.set(lane, extent);
+        }
+        Self(half)
+    }
+
+    /// Which leaves some ray of a bundle may meet.
+    #[inline(always)]
+    pub(super) fn test<S: Simd>(&self, simd: S, bundle: &Bundle) -> u32 {
+        self.0.test_bundle(simd, bundle, &mut [0.0; HALF])
+    }
 }
 
 #[cfg(test)]

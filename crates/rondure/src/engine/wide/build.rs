@@ -1,7 +1,7 @@
 //! From pieces to leaves, and from leaves to blocks and boxes.
 
 use super::block::{Block, LANES};
-use super::boxes::{Boxes, Extent, WIDTH};
+use super::boxes::{Boxes, Extent, LeafBoxes, WIDTH};
 use super::leaf::Leaf;
 use super::quadric::Quadric;
 use crate::piece::Piece;
@@ -16,6 +16,8 @@ struct Part {
 /// Leaves in blocks of eight, with boxes round blocks and round boxes.
 pub(super) struct Built {
     pub(super) blocks: Vec<Block>,
+    /// Boxes round the leaves of each block.
+    pub(super) leaf_boxes: Vec<LeafBoxes>,
     /// In the order of the blocks' lanes.
     pub(super) leaves: Vec<Leaf>,
     /// The lowest level first: each box of a level stands for a block, or for sixteen boxes of the level
@@ -134,6 +136,7 @@ pub(super) fn build(pieces: &[Piece], unit: f64) -> Built {
     }
     let extents: Vec<_> = row.iter().map(|part| part.extent).collect();
     let mut blocks = Vec::new();
+    let mut leaf_boxes = Vec::new();
     let mut leaves = Vec::new();
     let mut boxes = Vec::new();
     let mut start = 0;
@@ -141,6 +144,7 @@ pub(super) fn build(pieces: &[Piece], unit: f64) -> Built {
         let parts = &row[start..end];
         let around = parts.iter().fold(Extent::NONE, |all, part| all.union(&part.extent));
         blocks.push(Block::new(parts.iter().map(|part| &part.fit), &around));
+        leaf_boxes.push(LeafBoxes::new(parts.iter().map(|part| &part.extent)));
         boxes.push(around);
         leaves.extend(parts.iter().map(|part| part.leaf));
         // So that a lane has the number of its leaf.
@@ -149,7 +153,8 @@ pub(super) fn build(pieces: &[Piece], unit: f64) -> Built {
     }
     blocks.shrink_to_fit();
     leaves.shrink_to_fit();
-    Built { blocks, leaves, levels: levels(boxes) }
+    leaf_boxes.shrink_to_fit();
+    Built { blocks, leaf_boxes, leaves, levels: levels(boxes) }
 }
 
 /// Boxes round boxes, up to a level that is one vector of them.

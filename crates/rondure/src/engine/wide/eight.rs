@@ -35,25 +35,64 @@ impl Eight {
     /// Finds hits as [`Leaf::hit`](super::leaf::Leaf::hit) does; says which were found, as a set of bits.
     #[inline(always)]
     pub(super) fn hits<S: Simd>(&mut self, simd: S) -> u32 {
-        let [r0, r1, r2, r3, z0, z1, z2, z3] = columns(simd, &self.curves);
         let [ox, oy, oz, dx, dy, dz, length2, far] = columns(simd, &self.rays);
-        let [guess, spot, blur, start, end, low, high, _] = columns(simd, &self.spots);
-        let half = f64x8::splat(simd, 0.5);
-        let (mut s, mut tau) = (guess, spot);
-        let (mut by_s, mut by_tau) = (guess, spot);
-        let (mut per, mut along, mut across, mut radius) = (guess, guess, guess, guess);
+        let [s, tau, blur, start, end, low, high, _] = columns(simd, &self.spots);
+        let mut aim = Aim {
+            curve: columns(simd, &self.curves),
+            origin: [ox, oy, oz],
+            direction: [dx, dy, dz],
+            length2,
+            far,
+            s,
+            tau,
+            blur,
+            range: [start, end],
+            valid: [low, high],
+        };
+        let found = aim.hit::<false>(simd);
+        aim.s.store_array(&mut self.found[0]);
+        aim.tau.store_array(&mut self.found[1]);
+        found
+    }
+}
+
+/// Eight rays, in columns, each with a spot that it is to hit.
+pub(super) struct Aim<S: Simd> {
+    /// The curves, by powers.
+    pub(super) curve: [f64x8<S>; WIDTH],
+    pub(super) origin: [f64x8<S>; 3],
+    pub(super) direction: [f64x8<S>; 3],
+    pub(super) length2: f64x8<S>,
+    pub(super) far: f64x8<S>,
+    /// The parameters on the curves, first guessed, then found.
+    pub(super) s: f64x8<S>,
+    /// Those on the rays.
+    pub(super) tau: f64x8<S>,
+    /// How far off the first of them may be.
+    pub(super) blur: f64x8<S>,
+    /// Between which parameters on the rays hits count,
+    pub(super) range: [f64x8<S>; 2],
+    /// and between which on the curves what is known of the spots holds.
+    pub(super) valid: [f64x8<S>; 2],
+}
+
+impl<S: Simd> Aim<S> {
+    /// Takes two of Newton's steps; says which lead to a hit for certain.
+    #[inline(always)]
+    pub(super) fn hit<const CONIC: bool>(&mut self, simd: S) -> u32 {
+        let splat = |value: f64| f64x8::splat(simd, value);
+        let ([ox, oy, oz], [dx, dy, dz]) = (self.origin, self.direction);
+        let (half, one, zero) = (splat(0.5), splat(1.0), splat(0.0));
+        let (spot, mut s, mut tau) = (self.tau, self.s, self.tau);
+        let [mut by_s, mut by_tau, mut per, mut along, mut across, mut radius] = [zero; 6];
         for _ in 0..2 {
-            let (inner_r, inner_z) = (r3.mul_add(s, r2), z3.mul_add(s, z2));
-            let r = inner_r.mul_add(s, r1).mul_add(s, r0);
-            let z = inner_z.mul_add(s, z1).mul_add(s, z0);
-            let dr = r3.mul_add(s, inner_r + inner_r).mul_add(s, r1);
-            let drop = z3.mul_add(s, inner_z + inner_z).mul_add(s, z1);
+            let [r, dr, z, drop] = self.at::<CONIC>(one, s);
             let (x, y) = (dx.mul_add(tau, ox), dy.mul_add(tau, oy));
             let f = (-dz).mul_add(tau, z - oz);
             let g = half * ((x * x + y * y) - r * r);
             let rho = x * dx + y * dy;
             let w = r * dr;
-            per = f64x8::splat(simd, 1.0) / drop.mul_sub(rho, w * dz);
+            per = one / drop.mul_sub(rho, w * dz);
             by_s = f.mul_add(rho, dz * g) * per;
             by_tau = drop.mul_add(g, w * f) * per;
             s -= by_s;
@@ -62,22 +101,44 @@ impl Eight {
             across = r * (dr.abs() + drop.abs());
             radius = r;
         }
-        let last2 = f64x8::splat(simd, LAST_STEP2) * radius.min(f64x8::splat(simd, 1.0));
-        let rounding = (far + f64x8::splat(simd, 2.0)) * f64x8::splat(simd, ROUNDING) * per.abs();
+        let last2 = splat(LAST_STEP2) * radius.min(one);
+        let rounding = (self.far + splat(2.0)) * splat(ROUNDING) * per.abs();
         let (off_s, off) = (rounding * along, rounding * across);
-        let off = tau.abs().mul_add(f64x8::splat(simd, 4.0 * UNIT_ROUNDOFF), off);
+        let off = tau.abs().mul_add(splat(4.0 * UNIT_ROUNDOFF), off);
         let is = (by_s * by_s).simd_le(last2)
-            & (by_tau * by_tau * length2).simd_le(last2)
-            & (tau - spot).abs().simd_le(blur + blur)
-            & s.simd_ge(low)
-            & s.simd_le(high)
+            & (by_tau * by_tau * self.length2).simd_le(last2)
+            & (tau - spot).abs().simd_le(self.blur + self.blur)
+            & s.simd_ge(self.valid[0])
+            & s.simd_le(self.valid[1])
             & s.simd_gt(off_s)
-            & s.simd_lt(f64x8::splat(simd, 1.0) - off_s)
-            & tau.simd_gt(start + off)
-            & tau.simd_lt(end - off);
-        s.store_array(&mut self.found[0]);
-        tau.store_array(&mut self.found[1]);
+            & s.simd_lt(one - off_s)
+            & tau.simd_gt(self.range[0] + off)
+            & tau.simd_lt(self.range[1] - off);
+        (self.s, self.tau) = (s, tau);
         is.to_bitmask() as u32
+    }
+
+    /// r, r', z and z', as [`Curve`](super::leaf::Curve) has them.
+    #[inline(always)]
+    fn at<const CONIC: bool>(&self, one: f64x8<S>, s: f64x8<S>) -> [f64x8<S>; 4] {
+        let [r0, r1, r2, r3, z0, z1, z2, z3] = self.curve;
+        if CONIC {
+            let q = r3;
+            let per = one / (q * s).mul_add(one - s, one);
+            let slope = q - (q + q) * s;
+            let (last_r, last_z) = (r2 * s, z2 * s);
+            let r = (last_r + r1).mul_add(s, r0) * per;
+            let z = (last_z + z1).mul_add(s, z0) * per;
+            let dr = (last_r + last_r + r1 - r * slope) * per;
+            let dz = (last_z + last_z + z1 - z * slope) * per;
+            return [r, dr, z, dz];
+        }
+        let (inner_r, inner_z) = (r3.mul_add(s, r2), z3.mul_add(s, z2));
+        let r = inner_r.mul_add(s, r1).mul_add(s, r0);
+        let z = inner_z.mul_add(s, z1).mul_add(s, z0);
+        let dr = r3.mul_add(s, inner_r + inner_r).mul_add(s, r1);
+        let dz = z3.mul_add(s, inner_z + inner_z).mul_add(s, z1);
+        [r, dr, z, dz]
     }
 }
 

@@ -9,6 +9,9 @@
 //! ray's x and y, which keeps it exact near the axis. Two steps do; what takes longer, or leads
 //! elsewhere, is left to the exact engine.
 
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f64x8};
+
 use super::arithmetic::{Fused, lesser};
 use super::course::Course;
 use super::eight::WIDTH;
@@ -240,6 +243,20 @@ impl Leaf {
         }
         let distance = if value > 0.0 { value.sqrt() } else { 0.0 };
         if self.flags & POLE_AT_END == 0 { distance } else { 1.0 - distance }
+    }
+}
+
+impl Leaf {
+    /// As [`guess`](Self::guess), for eight rays.
+    #[inline(always)]
+    pub(super) fn guesses<S: Simd>(&self, simd: S, lambda: f64x8<S>) -> f64x8<S> {
+        let [c0, c1, c2, c3] = self.guess.map(|c| f64x8::splat(simd, f64::from(c)));
+        let value = c3.mul_add(lambda, c2).mul_add(lambda, c1).mul_add(lambda, c0);
+        if self.flags & POLE == 0 {
+            return value;
+        }
+        let distance = value.max(f64x8::splat(simd, 0.0)).sqrt();
+        if self.flags & POLE_AT_END == 0 { distance } else { f64x8::splat(simd, 1.0) - distance }
     }
 }
 

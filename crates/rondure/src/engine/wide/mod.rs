@@ -16,6 +16,7 @@
 mod arithmetic;
 mod batch;
 mod bernstein;
+mod bits;
 mod block;
 mod boxes;
 mod build;
@@ -23,7 +24,11 @@ mod course;
 mod eight;
 mod exactly;
 mod leaf;
+mod lot;
+mod meet;
+mod near;
 mod order;
+mod packet;
 mod quadric;
 mod search;
 mod walk;
@@ -32,7 +37,7 @@ use fearless_simd::{Level, Simd, dispatch};
 
 use self::arithmetic::Best;
 use self::block::Block;
-use self::boxes::Boxes;
+use self::boxes::{Boxes, LeafBoxes};
 use self::course::{Astray, Course, FAR, LONGEST, NEAR, Outline, SHORTEST, passes};
 use self::leaf::{Curve, Leaf};
 use self::search::Question;
@@ -49,6 +54,8 @@ pub(crate) struct Wide {
     level: Level,
     outline: Outline,
     blocks: Vec<Block>,
+    /// Boxes round the leaves of each block.
+    leaf_boxes: Vec<LeafBoxes>,
     /// In the order of the blocks' lanes.
     leaves: Vec<Leaf>,
     /// One for each piece.
@@ -75,6 +82,7 @@ impl Wide {
                 far: FAR / unit,
             },
             blocks: built.blocks,
+            leaf_boxes: built.leaf_boxes,
             leaves: built.leaves,
             curves: pieces.iter().map(|piece| Curve::new(piece, unit)).collect(),
             levels: built.levels,

@@ -6,10 +6,11 @@ use fearless_simd::{Simd, f32x8};
 
 use super::Wide;
 use super::arithmetic::Best;
-use super::block::{LANES, Meeting};
+use super::block::LANES;
 use super::course::Course;
 use super::exactly::sort;
 use super::leaf::{Finding, Spot};
+use super::meet::Meeting;
 use super::order::{first, least};
 use super::walk::Way;
 use crate::Ray;
@@ -59,7 +60,10 @@ impl Nearest {
 
 /// The spots of a block: the first roots of its leaves, then the second ones.
 pub(super) struct Spots<S: Simd> {
-    meeting: Meeting<S>,
+    /// Where tau counts from.
+    origin: f64,
+    /// The least that they may be.
+    low: [f32x8<S>; 2],
     /// Which of them wait.
     pub(super) waiting: u32,
     /// Their numbers.
@@ -70,7 +74,7 @@ pub(super) struct Spots<S: Simd> {
 
 impl<S: Simd> Spots<S> {
     #[inline(always)]
-    pub(super) fn new(meeting: Meeting<S>) -> Self {
+    pub(super) fn new(meeting: &Meeting<f32x8<S>>, origin: f32) -> Self {
         let (mut tau, mut lambda) = ([0.0; 2 * LANES], [0.0; 2 * LANES]);
         let mut blur = [0.0; LANES];
         meeting.tau[0].store_slice(&mut tau[..LANES]);
@@ -78,13 +82,14 @@ impl<S: Simd> Spots<S> {
         meeting.lambda[0].store_slice(&mut lambda[..LANES]);
         meeting.lambda[1].store_slice(&mut lambda[LANES..]);
         meeting.blur.store_array(&mut blur);
-        Self { waiting: meeting.may, meeting, tau, lambda, blur }
+        let waiting = meeting.may[0] | meeting.may[1] << LANES;
+        Self { origin: f64::from(origin), low: meeting.low, waiting, tau, lambda, blur }
     }
 
     /// Takes out the one that comes first, or nearly so, with its leaf's lane.
     #[inline(always)]
     pub(super) fn first(&mut self, simd: S) -> (usize, Spot) {
-        let number = first(simd, self.meeting.low, self.waiting);
+        let number = first(simd, self.low, self.waiting);
         self.waiting &= !(1 << number);
         (number % LANES, self.spot(number))
     }
@@ -92,7 +97,7 @@ impl<S: Simd> Spots<S> {
     /// Where those that wait begin, at the earliest.
     #[inline(always)]
     pub(super) fn least(&self, simd: S) -> f64 {
-        self.meeting.origin + f64::from(least(simd, self.meeting.low, self.waiting))
+        self.origin + f64::from(least(simd, self.low, self.waiting))
     }
 
     /// Takes out any.
@@ -106,7 +111,7 @@ impl<S: Simd> Spots<S> {
     fn spot(&self, number: usize) -> Spot {
         let number = number % (2 * LANES);
         Spot {
-            tau: self.meeting.origin + f64::from(self.tau[number]),
+            tau: self.origin + f64::from(self.tau[number]),
             lambda: f64::from(self.lambda[number]),
             blur: f64::from(self.blur[number % LANES]),
         }
@@ -115,9 +120,9 @@ impl<S: Simd> Spots<S> {
     /// Leaves out what lies beyond `end`.
     #[inline(always)]
     fn cut(&mut self, simd: S, end: f64) {
-        let end = (end - self.meeting.origin) as f32;
+        let end = (end - self.origin) as f32;
         let end = f32x8::splat(simd, end + end.abs() * f32::EPSILON);
-        let [near, far] = self.meeting.low;
+        let [near, far] = self.low;
         let before = near.simd_le(end).to_bitmask() | far.simd_le(end).to_bitmask() << LANES;
         self.waiting &= before as u32;
     }
@@ -139,8 +144,8 @@ impl Wide {
         if meeting.misses() && way.is_over(simd, end) {
             return None;
         }
-        if meeting.may != 0 && meeting.tangent == 0 {
-            let mut spots = Spots::new(meeting);
+        if meeting.may_hit() && meeting.tangent == 0 {
+            let mut spots = Spots::new(&meeting, enter);
             let (lane, spot) = spots.first(simd);
             let leaf = &self.leaves[block * LANES + lane];
             if let Finding::Hit { tau, s, .. } = leaf.hit(Best(simd), &self.curves, course, spot) {
@@ -175,8 +180,8 @@ impl Wide {
                 self.consider_exactly(piece, question, course, &mut nearest);
                 end = end.min(nearest.tau);
             }
-            if meeting.may != 0 {
-                let mut spots = Spots::new(meeting);
+            if meeting.may_hit() {
+                let mut spots = Spots::new(&meeting, enter);
                 spots.cut(simd, end);
                 while spots.waiting != 0 {
                     let (lane, spot) = spots.first(simd);
@@ -301,7 +306,7 @@ impl Wide {
         let end = course.range[1];
         let meeting = self.blocks[block].test::<S, false>(simd, course, enter, end);
         let mut unknown = meeting.tangent;
-        let mut spots = Spots::new(meeting);
+        let mut spots = Spots::new(&meeting, enter);
         while let Some((lane, spot)) = spots.take() {
             let leaf = &self.leaves[block * LANES + lane];
             match leaf.hit(Best(simd), &self.curves, course, spot) {
@@ -334,10 +339,10 @@ impl Wide {
             if meeting.tangent != 0 {
                 return self.all_exactly(question, hits);
             }
-            if meeting.may == 0 {
+            if !meeting.may_hit() {
                 continue;
             }
-            let mut spots = Spots::new(meeting);
+            let mut spots = Spots::new(&meeting, enter);
             while let Some((lane, spot)) = spots.take() {
                 let leaf = &self.leaves[block * LANES + lane];
                 match leaf.hit(Best(simd), &self.curves, course, spot) {
@@ -375,7 +380,7 @@ impl Wide {
             count.test();
             let meeting = self.blocks[block].test::<S, false>(simd, course, enter, end);
             let mut lanes = meeting.tangent;
-            let mut spots = Spots::new(meeting);
+            let mut spots = Spots::new(&meeting, enter);
             loop {
                 let lane = match take(&mut lanes) {
                     Some(lane) => lane,

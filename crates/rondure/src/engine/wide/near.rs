@@ -1,0 +1,89 @@
+//! Eight rays as they come near the surface: what [`course`](super::course) says of one, for batches.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f64x8};
+
+use super::Wide;
+use super::course::{Course, LONGEST, NEAR, SHORTEST, VANISHING};
+use crate::Vec3;
+use crate::batch::Rays;
+use crate::frame::Frame;
+
+/// How many rays are looked at together.
+pub(super) const WIDTH: usize = 8;
+
+/// Eight rays in the surface's own size, from where they begin; see [`Course`](super::course::Course).
+#[derive(Clone, Copy)]
+pub(super) struct Near<S: Simd> {
+    pub(super) origin: [f64x8<S>; 3],
+    pub(super) direction: [f64x8<S>; 3],
+    pub(super) abc: [f64x8<S>; 3],
+    pub(super) length2: f64x8<S>,
+    pub(super) far: f64x8<S>,
+    pub(super) range: [f64x8<S>; 2],
+    /// Those that may meet the surface.
+    pub(super) meets: u32,
+    /// Those that are not for batches.
+    pub(super) strange: u32,
+}
+
+impl<S: Simd> Near<S> {
+    /// The rays from the one numbered `start` on, of which there must be eight, at a surface that stands where it was
+    /// built.
+    #[inline(always)]
+    pub(super) fn new(simd: S, wide: &Wide, frame: &Frame, rays: &Rays<'_>, start: usize) -> Self {
+        let outline = &wide.outline;
+        let splat = |value: f64| f64x8::splat(simd, value);
+        let load = |column: &[f64]| f64x8::from_slice(simd, &column[start..start + WIDTH]);
+        let unit = splat(outline.unit);
+        let [ox, oy, oz] = rays.origin.map(load);
+        let [ox, oy, oz] = [ox * unit, oy * unit, (oz - splat(frame.center_z())) * unit];
+        let [dx, dy, dz] = rays.direction.map(|column| load(column) * unit);
+        let [t_min, t_max] = rays.range.map(load);
+        let a = dx * dx + dy * dy;
+        let k = ox * dy - oy * dx;
+        let far = ox.abs().max(oy.abs()).max(oz.abs());
+        let length2 = dz.mul_add(dz, a);
+        let ordinary = far.simd_le(splat(NEAR))
+            & length2.simd_ge(splat(SHORTEST))
+            & length2.simd_le(splat(LONGEST));
+        let b = ox * dx + oy * dy;
+        let c = ox * ox + oy * oy;
+        let along = oz.mul_add(dz, b);
+        let outside = oz.mul_add(oz, c) - splat(outline.radius2);
+        let reach2 = a * splat(outline.reach2) + splat(VANISHING);
+        let meets = ordinary
+            & t_min.simd_le(t_max)
+            & (k * k).simd_le(reach2)
+            & (along * along).simd_ge(outside * length2);
+        Self {
+            origin: [ox, oy, oz],
+            direction: [dx, dy, dz],
+            abc: [a, b, c],
+            length2,
+            far,
+            range: [t_min, t_max],
+            meets: meets.to_bitmask() as u32,
+            strange: (!ordinary).to_bitmask() as u32,
+        }
+    }
+
+    /// One of the rays.
+    #[inline(always)]
+    pub(super) fn course(&self, lane: usize) -> Course {
+        let at = |c: &f64x8<S>| c[lane % WIDTH];
+        let all = |c: &[f64x8<S>; 3]| Vec3::new(at(&c[0]), at(&c[1]), at(&c[2]));
+        Course {
+            origin: all(&self.origin),
+            direction: all(&self.direction),
+            a: at(&self.abc[0]),
+            b: at(&self.abc[1]),
+            c: at(&self.abc[2]),
+            length2: at(&self.length2),
+            far: at(&self.far),
+            turn: 0.0,
+            range: self.range.each_ref().map(at),
+            shift: 0.0,
+        }
+    }
+}
