@@ -7,7 +7,6 @@ use super::Wide;
 use super::lot::Lot;
 use super::near::{Near, WIDTH};
 use super::packet::{Packet, SIXTEEN};
-use super::search::Question;
 use crate::batch::{Hits, Rays};
 use crate::frame::Frame;
 use crate::piece::Piece;
@@ -47,13 +46,15 @@ impl Wide {
         hits: &mut Hits,
     ) {
         let one = |index: usize, hits: &mut Hits| {
-            let question = Question { pieces, frame, ray: &rays.get(index) };
-            hits.set(index, self.closest_with::<_, true>(simd, &question));
+            hits.set(index, self.closest(pieces, frame, &rays.get(index)));
         };
         let mut lot = Lot::new();
         let whole = whole(frame, rays.len());
         for start in (0..whole).step_by(SIXTEEN) {
-            let near = [0, WIDTH].map(|i| Near::new(simd, self, frame, rays, start + i));
+            let near = [
+                Near::new(simd, self, frame, rays, start),
+                Near::new(simd, self, frame, rays, start + WIDTH),
+            ];
             lot.refuse(&near, start);
             if near[0].meets | near[1].meets != 0 {
                 match Packet::new(simd, &near) {
@@ -90,13 +91,15 @@ impl Wide {
         let hits = &mut hits[..count];
         hits.fill(false);
         let one = |index: usize, hits: &mut [bool]| {
-            let question = Question { pieces, frame, ray: &rays.get(index) };
-            hits[index] = self.any_with::<_, true>(simd, &question);
+            hits[index] = self.any(pieces, frame, &rays.get(index));
         };
         let mut lot = Lot::new();
         let whole = whole(frame, count);
         for start in (0..whole).step_by(SIXTEEN) {
-            let near = [0, WIDTH].map(|i| Near::new(simd, self, frame, rays, start + i));
+            let near = [
+                Near::new(simd, self, frame, rays, start),
+                Near::new(simd, self, frame, rays, start + WIDTH),
+            ];
             lot.refuse(&near, start);
             if near[0].meets | near[1].meets != 0 {
                 match Packet::new(simd, &near) {

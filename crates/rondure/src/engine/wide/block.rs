@@ -156,21 +156,24 @@ impl Block {
             dz2: splat(simd, dz * dz),
             length: splat(simd, length2.sqrt()),
             length2: splat(simd, length2),
-            range: [ray.range[0], end].map(|t| splat(simd, (t - origin) as f32)),
+            range: [
+                splat(simd, (ray.range[0] - origin) as f32),
+                splat(simd, (end - origin) as f32),
+            ],
         };
-        let load = |lanes: &Lanes| f32x8::from_slice(simd, lanes);
+        let [l0, l1, l2] = &self.lambda;
         let shells = Shells {
-            z: load(&self.z),
-            alpha: load(&self.alpha),
-            half_beta: load(&self.half_beta),
-            gamma: load(&self.gamma),
-            p: load(&self.p),
-            lambda: self.lambda.each_ref().map(load),
-            height: load(&self.height),
-            tangency: load(&self.tangency),
-            bend: load(&self.bend),
-            room: load(&self.room),
-            blur: load(&self.blur),
+            z: load(simd, &self.z),
+            alpha: load(simd, &self.alpha),
+            half_beta: load(simd, &self.half_beta),
+            gamma: load(simd, &self.gamma),
+            p: load(simd, &self.p),
+            lambda: [load(simd, l0), load(simd, l1), load(simd, l2)],
+            height: load(simd, &self.height),
+            tangency: load(simd, &self.tangency),
+            bend: load(simd, &self.bend),
+            room: load(simd, &self.room),
+            blur: load(simd, &self.blur),
         };
         meet::<S, _, SURE>(simd, &shells, &beam)
     }
@@ -182,19 +185,20 @@ impl Block {
         simd: S,
         lane: usize,
     ) -> Shells<V> {
-        let splat = |lanes: &Lanes| V::splat(simd, lanes[lane % LANES]);
+        let lane = lane % LANES;
+        let [l0, l1, l2] = &self.lambda;
         Shells {
-            z: splat(&self.z),
-            alpha: splat(&self.alpha),
-            half_beta: splat(&self.half_beta),
-            gamma: splat(&self.gamma),
-            p: splat(&self.p),
-            lambda: self.lambda.each_ref().map(splat),
-            height: splat(&self.height),
-            tangency: splat(&self.tangency),
-            bend: splat(&self.bend),
-            room: splat(&self.room),
-            blur: splat(&self.blur),
+            z: V::splat(simd, self.z[lane]),
+            alpha: V::splat(simd, self.alpha[lane]),
+            half_beta: V::splat(simd, self.half_beta[lane]),
+            gamma: V::splat(simd, self.gamma[lane]),
+            p: V::splat(simd, self.p[lane]),
+            lambda: [V::splat(simd, l0[lane]), V::splat(simd, l1[lane]), V::splat(simd, l2[lane])],
+            height: V::splat(simd, self.height[lane]),
+            tangency: V::splat(simd, self.tangency[lane]),
+            bend: V::splat(simd, self.bend[lane]),
+            room: V::splat(simd, self.room[lane]),
+            blur: V::splat(simd, self.blur[lane]),
         }
     }
 
@@ -203,6 +207,11 @@ impl Block {
     pub(super) fn corner(&self) -> [f64; 2] {
         self.corner
     }
+}
+
+#[inline(always)]
+fn load<S: Simd>(simd: S, lanes: &Lanes) -> f32x8<S> {
+    f32x8::from_slice(simd, lanes)
 }
 
 #[inline(always)]

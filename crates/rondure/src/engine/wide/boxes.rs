@@ -104,16 +104,14 @@ impl Slabs {
     /// The same in all lanes.
     #[inline(always)]
     fn splat<S: Simd, V: SimdFloat<S, Element = f32>>(&self, simd: S) -> Slabs<V> {
-        let splat = |value| V::splat(simd, value);
-        let &Self { a, b, c, oz, per_a, per_dz, start } = self;
         Slabs {
-            a: splat(a),
-            b: splat(b),
-            c: splat(c),
-            oz: splat(oz),
-            per_a: splat(per_a),
-            per_dz: splat(per_dz),
-            start: splat(start),
+            a: V::splat(simd, self.a),
+            b: V::splat(simd, self.b),
+            c: V::splat(simd, self.c),
+            oz: V::splat(simd, self.oz),
+            per_a: V::splat(simd, self.per_a),
+            per_dz: V::splat(simd, self.per_dz),
+            start: V::splat(simd, self.start),
         }
     }
 }
@@ -238,8 +236,11 @@ impl Boxes {
         number: usize,
     ) -> Walls<V> {
         let half = &self.halves[number / HALF % 2];
-        let splat = |lanes: &[f32; HALF]| V::splat(simd, lanes[number % HALF]);
-        Walls { z: half.z.each_ref().map(splat), w: half.w.each_ref().map(splat) }
+        let lane = number % HALF;
+        Walls {
+            z: [V::splat(simd, half.z[0][lane]), V::splat(simd, half.z[1][lane])],
+            w: [V::splat(simd, half.w[0][lane]), V::splat(simd, half.w[1][lane])],
+        }
     }
 }
 
@@ -268,8 +269,8 @@ impl Half {
 
     #[inline(always)]
     fn walls<S: Simd>(&self, simd: S) -> Walls<f32x8<S>> {
-        let load = |lanes: &[f32; HALF]| f32x8::from_slice(simd, lanes);
-        Walls { z: self.z.each_ref().map(load), w: self.w.each_ref().map(load) }
+        let ([z0, z1], [w0, w1]) = (&self.z, &self.w);
+        Walls { z: [load(simd, z0), load(simd, z1)], w: [load(simd, w0), load(simd, w1)] }
     }
 
     /// Which boxes some ray of a bundle may meet, and where `ray` would enter what they grow to.
@@ -307,6 +308,11 @@ impl LeafBoxes {
     pub(super) fn test<S: Simd>(&self, simd: S, bundle: &Bundle) -> u32 {
         self.0.test_bundle(simd, bundle, &mut [0.0; HALF])
     }
+}
+
+#[inline(always)]
+fn load<S: Simd>(simd: S, lanes: &[f32; HALF]) -> f32x8<S> {
+    f32x8::from_slice(simd, lanes)
 }
 
 #[cfg(test)]

@@ -11,6 +11,9 @@ use crate::numeric::UNIT_ROUNDOFF;
 /// How many spots are looked at together.
 pub(super) const WIDTH: usize = 8;
 
+/// As many steps are taken; what needs more is left to be answered one by one.
+const MOST_STEPS: u32 = 4;
+
 /// Eight spots, each on a leaf that is no conic, with a row for each; all are in the range without a shift.
 #[repr(C, align(64))]
 pub(super) struct Eight {
@@ -49,7 +52,7 @@ impl Eight {
             range: [start, end],
             valid: [low, high],
         };
-        let found = aim.hit::<false>(simd);
+        let found = aim.hit::<false>(simd, 0xff);
         aim.s.store_array(&mut self.found[0]);
         aim.tau.store_array(&mut self.found[1]);
         found
@@ -77,15 +80,16 @@ pub(super) struct Aim<S: Simd> {
 }
 
 impl<S: Simd> Aim<S> {
-    /// Takes two of Newton's steps; says which lead to a hit for certain.
+    /// Takes Newton's steps, until they are done in all the lanes that are wanted or there have been [`MOST_STEPS`]; says
+    /// where they lead to a hit for certain.
     #[inline(always)]
-    pub(super) fn hit<const CONIC: bool>(&mut self, simd: S) -> u32 {
-        let splat = |value: f64| f64x8::splat(simd, value);
+    pub(super) fn hit<const CONIC: bool>(&mut self, simd: S, wanted: u32) -> u32 {
         let ([ox, oy, oz], [dx, dy, dz]) = (self.origin, self.direction);
-        let (half, one, zero) = (splat(0.5), splat(1.0), splat(0.0));
+        let (half, one, zero) = (splat(simd, 0.5), splat(simd, 1.0), splat(simd, 0.0));
         let (spot, mut s, mut tau) = (self.tau, self.s, self.tau);
-        let [mut by_s, mut by_tau, mut per, mut along, mut across, mut radius] = [zero; 6];
-        for _ in 0..2 {
+        let (mut per, mut along, mut across) = (zero, zero, zero);
+        let mut last = 0;
+        for step in 0..MOST_STEPS {
             let [r, dr, z, drop] = self.at::<CONIC>(one, s);
             let (x, y) = (dx.mul_add(tau, ox), dy.mul_add(tau, oy));
             let f = (-dz).mul_add(tau, z - oz);
@@ -93,21 +97,28 @@ impl<S: Simd> Aim<S> {
             let rho = x * dx + y * dy;
             let w = r * dr;
             per = one / drop.mul_sub(rho, w * dz);
-            by_s = f.mul_add(rho, dz * g) * per;
-            by_tau = drop.mul_add(g, w * f) * per;
+            let by_s = f.mul_add(rho, dz * g) * per;
+            let by_tau = drop.mul_add(g, w * f) * per;
             s -= by_s;
             tau -= by_tau;
+            // One is never enough.
+            if step == 0 {
+                continue;
+            }
             along = dz.abs().mul_add(r, rho.abs());
             across = r * (dr.abs() + drop.abs());
-            radius = r;
+            let last2 = splat(simd, LAST_STEP2) * r.min(one);
+            let is_last =
+                (by_s * by_s).simd_le(last2) & (by_tau * by_tau * self.length2).simd_le(last2);
+            last = is_last.to_bitmask() as u32;
+            if wanted & !last == 0 {
+                break;
+            }
         }
-        let last2 = splat(LAST_STEP2) * radius.min(one);
-        let rounding = (self.far + splat(2.0)) * splat(ROUNDING) * per.abs();
+        let rounding = (self.far + splat(simd, 2.0)) * splat(simd, ROUNDING) * per.abs();
         let (off_s, off) = (rounding * along, rounding * across);
-        let off = tau.abs().mul_add(splat(4.0 * UNIT_ROUNDOFF), off);
-        let is = (by_s * by_s).simd_le(last2)
-            & (by_tau * by_tau * self.length2).simd_le(last2)
-            & (tau - spot).abs().simd_le(self.blur + self.blur)
+        let off = tau.abs().mul_add(splat(simd, 4.0 * UNIT_ROUNDOFF), off);
+        let is = (tau - spot).abs().simd_le(self.blur + self.blur)
             & s.simd_ge(self.valid[0])
             & s.simd_le(self.valid[1])
             & s.simd_gt(off_s)
@@ -115,7 +126,7 @@ impl<S: Simd> Aim<S> {
             & tau.simd_gt(self.range[0] + off)
             & tau.simd_lt(self.range[1] - off);
         (self.s, self.tau) = (s, tau);
-        is.to_bitmask() as u32
+        is.to_bitmask() as u32 & last & wanted
     }
 
     /// r, r', z and z', as [`Curve`](super::leaf::Curve) has them.
@@ -140,6 +151,11 @@ impl<S: Simd> Aim<S> {
         let dz = z3.mul_add(s, inner_z + inner_z).mul_add(s, z1);
         [r, dr, z, dz]
     }
+}
+
+#[inline(always)]
+fn splat<S: Simd>(simd: S, value: f64) -> f64x8<S> {
+    f64x8::splat(simd, value)
 }
 
 /// Rows as columns: three perfect shuffles.

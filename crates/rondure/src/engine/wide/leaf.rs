@@ -250,14 +250,20 @@ impl Leaf {
     /// As [`guess`](Self::guess), for eight rays.
     #[inline(always)]
     pub(super) fn guesses<S: Simd>(&self, simd: S, lambda: f64x8<S>) -> f64x8<S> {
-        let [c0, c1, c2, c3] = self.guess.map(|c| f64x8::splat(simd, f64::from(c)));
-        let value = c3.mul_add(lambda, c2).mul_add(lambda, c1).mul_add(lambda, c0);
+        let [c0, c1, c2, c3] = self.guess;
+        let value = splat(simd, c3).mul_add(lambda, splat(simd, c2));
+        let value = value.mul_add(lambda, splat(simd, c1)).mul_add(lambda, splat(simd, c0));
         if self.flags & POLE == 0 {
             return value;
         }
-        let distance = value.max(f64x8::splat(simd, 0.0)).sqrt();
-        if self.flags & POLE_AT_END == 0 { distance } else { f64x8::splat(simd, 1.0) - distance }
+        let distance = value.max(splat(simd, 0.0)).sqrt();
+        if self.flags & POLE_AT_END == 0 { distance } else { splat(simd, 1.0) - distance }
     }
+}
+
+#[inline(always)]
+fn splat<S: Simd>(simd: S, value: f32) -> f64x8<S> {
+    f64x8::splat(simd, f64::from(value))
 }
 
 /// A step of Newton's, and where it leads.

@@ -307,21 +307,24 @@ impl Lot {
         }
         let at = self.len;
         let mask = mask64x8::from_bitmask(simd, u64::from(near.meets));
-        let put = |from: f64x8<S>, column: &mut Column| {
-            from.compress(mask).store_slice(&mut column[at..at + WIDTH]);
-        };
         for i in 0..3 {
-            put(near.origin[i], &mut self.origin[i]);
-            put(near.direction[i], &mut self.direction[i]);
-            put(near.abc[i], &mut self.abc[i]);
+            put(near.origin[i], mask, &mut self.origin[i], at);
+            put(near.direction[i], mask, &mut self.direction[i], at);
+            put(near.abc[i], mask, &mut self.abc[i], at);
         }
-        put(near.length2, &mut self.length2);
-        put(near.far, &mut self.far);
-        put(near.range[0], &mut self.range[0]);
-        put(near.range[1], &mut self.range[1]);
+        put(near.length2, mask, &mut self.length2, at);
+        put(near.far, mask, &mut self.far, at);
+        put(near.range[0], mask, &mut self.range[0], at);
+        put(near.range[1], mask, &mut self.range[1], at);
         for lane in bits(near.meets) {
             self.ray[self.len] = start + lane;
             self.len += 1;
         }
     }
+}
+
+/// Puts what is in a mask into a column, one after the other.
+#[inline(always)]
+fn put<S: Simd>(from: f64x8<S>, mask: mask64x8<S>, column: &mut Column, at: usize) {
+    from.compress(mask).store_slice(&mut column[at..at + WIDTH]);
 }

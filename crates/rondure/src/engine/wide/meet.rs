@@ -69,6 +69,8 @@ pub(super) struct Meeting<V> {
     pub(super) sure: u32,
     /// In which lanes the ray may be tangent.
     pub(super) tangent: u32,
+    /// Where it may touch there, at the earliest; of no meaning elsewhere.
+    pub(super) touch: V,
 }
 
 impl<V> Meeting<V> {
@@ -155,6 +157,7 @@ pub(super) fn meet<S: Simd, V: SimdFloat<S, Element = f32>, const SURE: bool>(
     // Also where one is not a number.
     let clear = steep | discriminant.simd_lt(-tangency);
     let mut tangent = (!clear).to_bitmask() as u32;
+    let mut touch = start;
     if tangent != 0 {
         // Where it would be, how far round it, and whether the leaf is there.
         let middle = v / u;
@@ -166,6 +169,7 @@ pub(super) fn meet<S: Simd, V: SimdFloat<S, Element = f32>, const SURE: bool>(
             | zeta.simd_gt(leaf.height)
             | (middle + around).simd_lt(start)
             | (middle - around).simd_gt(end);
+        touch = middle - around;
         tangent &= !away.to_bitmask() as u32;
     }
     Meeting {
@@ -176,5 +180,6 @@ pub(super) fn meet<S: Simd, V: SimdFloat<S, Element = f32>, const SURE: bool>(
         may: may.map(|may| may.to_bitmask() as u32),
         sure,
         tangent,
+        touch,
     }
 }

@@ -33,25 +33,29 @@ impl<S: Simd> Near<S> {
     #[inline(always)]
     pub(super) fn new(simd: S, wide: &Wide, frame: &Frame, rays: &Rays<'_>, start: usize) -> Self {
         let outline = &wide.outline;
-        let splat = |value: f64| f64x8::splat(simd, value);
-        let load = |column: &[f64]| f64x8::from_slice(simd, &column[start..start + WIDTH]);
-        let unit = splat(outline.unit);
-        let [ox, oy, oz] = rays.origin.map(load);
-        let [ox, oy, oz] = [ox * unit, oy * unit, (oz - splat(frame.center_z())) * unit];
-        let [dx, dy, dz] = rays.direction.map(|column| load(column) * unit);
-        let [t_min, t_max] = rays.range.map(load);
+        let unit = splat(simd, outline.unit);
+        let [ox, oy, oz] = rays.origin;
+        let [dx, dy, dz] = rays.direction;
+        let ox = load(simd, ox, start) * unit;
+        let oy = load(simd, oy, start) * unit;
+        let oz = (load(simd, oz, start) - splat(simd, frame.center_z())) * unit;
+        let dx = load(simd, dx, start) * unit;
+        let dy = load(simd, dy, start) * unit;
+        let dz = load(simd, dz, start) * unit;
+        let t_min = load(simd, rays.range[0], start);
+        let t_max = load(simd, rays.range[1], start);
         let a = dx * dx + dy * dy;
         let k = ox * dy - oy * dx;
         let far = ox.abs().max(oy.abs()).max(oz.abs());
         let length2 = dz.mul_add(dz, a);
-        let ordinary = far.simd_le(splat(NEAR))
-            & length2.simd_ge(splat(SHORTEST))
-            & length2.simd_le(splat(LONGEST));
+        let ordinary = far.simd_le(splat(simd, NEAR))
+            & length2.simd_ge(splat(simd, SHORTEST))
+            & length2.simd_le(splat(simd, LONGEST));
         let b = ox * dx + oy * dy;
         let c = ox * ox + oy * oy;
         let along = oz.mul_add(dz, b);
-        let outside = oz.mul_add(oz, c) - splat(outline.radius2);
-        let reach2 = a * splat(outline.reach2) + splat(VANISHING);
+        let outside = oz.mul_add(oz, c) - splat(simd, outline.radius2);
+        let reach2 = a * splat(simd, outline.reach2) + splat(simd, VANISHING);
         let meets = ordinary
             & t_min.simd_le(t_max)
             & (k * k).simd_le(reach2)
@@ -71,19 +75,29 @@ impl<S: Simd> Near<S> {
     /// One of the rays.
     #[inline(always)]
     pub(super) fn course(&self, lane: usize) -> Course {
-        let at = |c: &f64x8<S>| c[lane % WIDTH];
-        let all = |c: &[f64x8<S>; 3]| Vec3::new(at(&c[0]), at(&c[1]), at(&c[2]));
+        let lane = lane % WIDTH;
+        let ([ox, oy, oz], [dx, dy, dz]) = (&self.origin, &self.direction);
         Course {
-            origin: all(&self.origin),
-            direction: all(&self.direction),
-            a: at(&self.abc[0]),
-            b: at(&self.abc[1]),
-            c: at(&self.abc[2]),
-            length2: at(&self.length2),
-            far: at(&self.far),
+            origin: Vec3::new(ox[lane], oy[lane], oz[lane]),
+            direction: Vec3::new(dx[lane], dy[lane], dz[lane]),
+            a: self.abc[0][lane],
+            b: self.abc[1][lane],
+            c: self.abc[2][lane],
+            length2: self.length2[lane],
+            far: self.far[lane],
             turn: 0.0,
-            range: self.range.each_ref().map(at),
+            range: [self.range[0][lane], self.range[1][lane]],
             shift: 0.0,
         }
     }
+}
+
+#[inline(always)]
+fn load<S: Simd>(simd: S, column: &[f64], start: usize) -> f64x8<S> {
+    f64x8::from_slice(simd, &column[start..start + WIDTH])
+}
+
+#[inline(always)]
+fn splat<S: Simd>(simd: S, value: f64) -> f64x8<S> {
+    f64x8::splat(simd, value)
 }

@@ -57,17 +57,30 @@ impl<'a, S: Simd> Packet<'a, S> {
         let zero = f32x16::splat(simd, 0.0);
         let first = meets.trailing_zeros() as usize;
         let one = near[first / WIDTH % 2].course(first % WIDTH);
-        let column = |of: fn(&Near<S>) -> f64x8<S>| of(&near[0]).narrow(of(&near[1]));
-        let apart = |of: fn(&Near<S>) -> f64x8<S>, from: f64| {
-            let [low, high] = [0, 1].map(|i| (of(&near[i]) - f64x8::splat(simd, from)).abs());
-            low.narrow(high)
-        };
-        let widest = |v: f32x16<S>| mask.select(v, zero).reduce_max();
+        let [n, m] = near;
         let (o, d) = (one.origin, one.direction);
-        let o_across = widest(apart(|n| n.origin[0], o.x).max(apart(|n| n.origin[1], o.y)));
-        let d_across = widest(apart(|n| n.direction[0], d.x).max(apart(|n| n.direction[1], d.y)));
-        let (o_along, d_along) =
-            (widest(apart(|n| n.origin[2], o.z)), widest(apart(|n| n.direction[2], d.z)));
+        let across = [
+            apart(simd, n.origin[0], m.origin[0], o.x).max(apart(
+                simd,
+                n.origin[1],
+                m.origin[1],
+                o.y,
+            )),
+            apart(simd, n.direction[0], m.direction[0], d.x).max(apart(
+                simd,
+                n.direction[1],
+                m.direction[1],
+                d.y,
+            )),
+        ];
+        let along = [
+            apart(simd, n.origin[2], m.origin[2], o.z),
+            apart(simd, n.direction[2], m.direction[2], d.z),
+        ];
+        let o_across = mask.select(across[0], zero).reduce_max();
+        let d_across = mask.select(across[1], zero).reduce_max();
+        let o_along = mask.select(along[0], zero).reduce_max();
+        let d_along = mask.select(along[1], zero).reduce_max();
         let length = (one.length2 as f32).sqrt();
         // Lengths of differences, or more.
         let [o_apart, d_apart] = [1.5 * o_across + o_along, 1.5 * d_across + d_along];
@@ -81,14 +94,17 @@ impl<'a, S: Simd> Packet<'a, S> {
         if !(across <= WIDEST && along <= WIDEST) {
             return None;
         }
-        let (a, dz, length2) =
-            (column(|n| n.abc[0]), column(|n| n.direction[2]), column(|n| n.length2));
-        let (start, end) = (column(|n| n.range[0]), column(|n| n.range[1]));
+        let (a, dz, length2) = (
+            n.abc[0].narrow(m.abc[0]),
+            n.direction[2].narrow(m.direction[2]),
+            n.length2.narrow(m.length2),
+        );
+        let (start, end) = (n.range[0].narrow(m.range[0]), n.range[1].narrow(m.range[1]));
         let rods = Rods {
             a,
-            b: column(|n| n.abc[1]),
-            c: column(|n| n.abc[2]),
-            oz: column(|n| n.origin[2]),
+            b: n.abc[1].narrow(m.abc[1]),
+            c: n.abc[2].narrow(m.abc[2]),
+            oz: n.origin[2].narrow(m.origin[2]),
             dz,
             length2,
             start,
@@ -112,29 +128,54 @@ impl<'a, S: Simd> Packet<'a, S> {
     /// The rays as a block sees them, which they enter at `enter`.
     #[inline(always)]
     fn beam(&self, simd: S, block: &Block, enter: f32x16<S>) -> Beam<f32x16<S>> {
-        let [corner_z, corner_w] = block.corner().map(|c| f64x8::splat(simd, c));
+        let [corner_z, corner_w] = block.corner();
         let (first, second) = enter.widen();
-        let halves = [(first, &self.near[0]), (second, &self.near[1])].map(|(origin, near)| {
-            let [a, b, c] = near.abc;
-            let own_b = a.mul_add(origin, b);
-            let own_c = (own_b + b).mul_add(origin, c - corner_w);
-            let own_z = near.direction[2].mul_add(origin, near.origin[2] - corner_z);
-            let [start, end] = near.range;
-            [own_b, own_c, own_z, start - origin, end - origin]
-        });
-        let column = |i: usize| halves[0][i].narrow(halves[1][i]);
+        let n = Seen::new(simd, &self.near[0], first, corner_z, corner_w);
+        let m = Seen::new(simd, &self.near[1], second, corner_z, corner_w);
         Beam {
             a: self.a,
-            b: column(0),
-            c: column(1),
-            z: column(2),
+            b: n.b.narrow(m.b),
+            c: n.c.narrow(m.c),
+            z: n.z.narrow(m.z),
             dz: self.dz,
             dz2: self.dz * self.dz,
             length: self.length2.sqrt(),
             length2: self.length2,
-            range: [column(3), column(4)],
+            range: [n.start.narrow(m.start), n.end.narrow(m.end)],
         }
     }
+}
+
+/// Eight of the rays as a block sees them.
+struct Seen<S: Simd> {
+    b: f64x8<S>,
+    c: f64x8<S>,
+    z: f64x8<S>,
+    start: f64x8<S>,
+    end: f64x8<S>,
+}
+
+impl<S: Simd> Seen<S> {
+    #[inline(always)]
+    fn new(simd: S, near: &Near<S>, origin: f64x8<S>, corner_z: f64, corner_w: f64) -> Self {
+        let [a, b, c] = near.abc;
+        let own_b = a.mul_add(origin, b);
+        let height = near.origin[2] - f64x8::splat(simd, corner_z);
+        Self {
+            b: own_b,
+            c: (own_b + b).mul_add(origin, c - f64x8::splat(simd, corner_w)),
+            z: near.direction[2].mul_add(origin, height),
+            start: near.range[0] - origin,
+            end: near.range[1] - origin,
+        }
+    }
+}
+
+/// How far the lanes are from a number.
+#[inline(always)]
+fn apart<S: Simd>(simd: S, first: f64x8<S>, second: f64x8<S>, from: f64) -> f32x16<S> {
+    let from = f64x8::splat(simd, from);
+    (first - from).abs().narrow((second - from).abs())
 }
 
 /// The nearest spot of each ray.
@@ -142,7 +183,7 @@ struct Nearest<S: Simd> {
     /// Where it lies at the earliest, and at the latest.
     low: f32x16<S>,
     high: f32x16<S>,
-    /// No other spot comes before that.
+    /// No other spot comes before that, and no place where the ray may touch.
     next: f32x16<S>,
     origin: f32x16<S>,
     tau: f32x16<S>,
@@ -195,6 +236,24 @@ impl<S: Simd> Nearest<S> {
         self.blur = nearer.select(meeting.blur, self.blur);
         self.leaf = nearer.select(u32x16::splat(simd, leaf), self.leaf);
     }
+
+    /// Takes account of places where rays may touch, in some lanes.
+    #[inline(always)]
+    fn doubt(&mut self, simd: S, meeting: &Meeting<f32x16<S>>, lanes: u32, origin: f32x16<S>) {
+        let lanes = mask32x16::from_bitmask(simd, u64::from(lanes));
+        let touch = origin + meeting.touch;
+        let touch = touch - touch.abs() * f32x16::splat(simd, ROUNDED);
+        // What is not a number could be anywhere.
+        let anywhere = f32x16::splat(simd, f32::NEG_INFINITY);
+        let touch = touch.simd_eq(touch).select(touch, anywhere);
+        self.next = lanes.select(self.next.min(touch), self.next);
+    }
+}
+
+#[inline(always)]
+fn halves<S: Simd>(v: f32x16<S>) -> [f64x8<S>; 2] {
+    let (first, second) = v.widen();
+    [first, second]
 }
 
 impl Wide {
@@ -236,17 +295,16 @@ impl Wide {
             return;
         };
         let mut nearest = Nearest::none(simd);
-        let mut doubt = 0;
         for (first, block) in stops {
             // Rays whose nearest spot lies before all that is left are done.
             let over = nearest.high.simd_lt(f32x16::splat(simd, first)).to_bitmask() as u32;
-            if packet.meets & !(over | doubt) == 0 {
+            if packet.meets & !over == 0 {
                 break;
             }
             let walls = self.levels[0][block / BOXES].walls::<S, f32x16<S>>(simd, block % BOXES);
             let end = packet.end.min(nearest.high);
             let (enter, met) = boxes::enter(simd, &walls, &packet.slabs, end);
-            let met = met & packet.meets & !doubt;
+            let met = met & packet.meets;
             if met == 0 {
                 continue;
             }
@@ -254,7 +312,9 @@ impl Wide {
             for lane in bits(self.leaf_boxes[block].test(simd, &packet.bundle)) {
                 let shells = self.blocks[block].shell(simd, lane);
                 let meeting = meet::<S, f32x16<S>, false>(simd, &shells, &beam);
-                doubt |= meeting.tangent & met;
+                if meeting.tangent & met != 0 {
+                    nearest.doubt(simd, &meeting, meeting.tangent & met, enter);
+                }
                 let leaf = (block * LANES + lane) as u32;
                 for root in 0..2 {
                     let lanes = meeting.may[root] & met;
@@ -265,7 +325,8 @@ impl Wide {
             }
         }
         let found = nearest.low.simd_lt(f32x16::splat(simd, f32::INFINITY)).to_bitmask() as u32;
-        let hit = self.hits_of(simd, packet, &nearest, found & !doubt, start, hits);
+        let hit = self.hits_of(simd, packet, &nearest, found, start, hits);
+        let doubt = nearest.next.simd_lt(f32x16::splat(simd, f32::INFINITY)).to_bitmask() as u32;
         let unsure = (found | doubt) & !hit;
         if unsure != 0 {
             single.extend(bits(unsure).map(|lane| start + lane));
@@ -283,10 +344,6 @@ impl Wide {
         start: usize,
         hits: &mut Hits,
     ) -> u32 {
-        let halves = |v: f32x16<S>| {
-            let (first, second) = v.widen();
-            [first, second]
-        };
         let (origin, tau) = (halves(nearest.origin), halves(nearest.tau));
         let (lambda, blur) = (halves(nearest.lambda), halves(nearest.blur));
         let next = halves(nearest.next);
@@ -297,8 +354,12 @@ impl Wide {
             let same = nearest.leaf.simd_eq(u32x16::splat(simd, number)).to_bitmask() as u32 & left;
             left &= !same;
             let leaf = &self.leaves[number as usize];
-            let curve = self.curves[leaf.piece() as usize].powers().map(|c| f64x8::splat(simd, c));
-            let [low, high] = leaf.valid().map(|s| f64x8::splat(simd, s));
+            let mut curve = [f64x8::splat(simd, 0.0); WIDTH];
+            for (column, c) in curve.iter_mut().zip(self.curves[leaf.piece() as usize].powers()) {
+                *column = f64x8::splat(simd, c);
+            }
+            let [low, high] = leaf.valid();
+            let valid = [f64x8::splat(simd, low), f64x8::splat(simd, high)];
             for half in 0..2 {
                 let lanes = same >> (half * WIDTH) & 0xff;
                 if lanes == 0 {
@@ -315,18 +376,20 @@ impl Wide {
                     tau: origin[half] + tau[half],
                     blur: blur[half],
                     range: [near.range[0], near.range[1].min(next[half])],
-                    valid: [low, high],
+                    valid,
                 };
-                let certain =
-                    if leaf.is_conic() { aim.hit::<true>(simd) } else { aim.hit::<false>(simd) };
-                let lanes = lanes & certain;
-                for lane in bits(lanes) {
+                let certain = if leaf.is_conic() {
+                    aim.hit::<true>(simd, lanes)
+                } else {
+                    aim.hit::<false>(simd, lanes)
+                };
+                for lane in bits(certain) {
                     let index = start + half * WIDTH + lane;
                     hits.t[index] = aim.tau[lane % WIDTH];
                     hits.piece[index] = leaf.piece();
                     hits.s[index] = aim.s[lane % WIDTH];
                 }
-                hit |= lanes << (half * WIDTH);
+                hit |= certain << (half * WIDTH);
             }
         }
         hit
