@@ -5,9 +5,9 @@ use std::{ffi::OsString, path::PathBuf, time::Instant};
 use clap::Args;
 use rondure_film::{ExrError, ExrPicture};
 use rondure_image::{
+    Depth,
     denoise::{Layers, denoise},
-    png::{self, Signals},
-    tone,
+    png,
 };
 
 use crate::{
@@ -90,7 +90,8 @@ impl Denoise {
                 other => Failure::new(other, "choose another place"),
             })?;
         } else {
-            let signals = signals(&clean, width as usize, &shown);
+            let depth = Depth::of_bits(shown.bits).unwrap_or_default();
+            let signals = shown.look.signals(&clean, width, 0, depth);
             png::write(&output.path, [width, height], &signals, &texts(&picture))
                 .map_err(|error| cannot_write(&output.path, error))?;
         }
@@ -152,16 +153,4 @@ fn texts(picture: &ExrPicture) -> Vec<(String, String)> {
     let text = |(key, value): (&str, &str)| (format!("rondure:{key}"), value.to_owned());
     let good = |(key, _): &(&str, &str)| key.len() < 70 && key.is_ascii();
     lines.filter(good).map(text).chain([("rondure:denoised".into(), "true".into())]).collect()
-}
-
-fn signals(pixels: &[[f32; 3]], width: usize, shown: &Shown) -> Signals {
-    let max = if shown.bits == 16 { 65535.0 } else { 255.0 };
-    let all = pixels.iter().enumerate().flat_map(|(i, pixel)| {
-        let threshold = tone::threshold((i % width) as u32, (i / width) as u32);
-        shown.look.show(*pixel).map(|v| tone::quantize(v, max, threshold))
-    });
-    match shown.bits {
-        16 => Signals::Sixteen(all.map(|v| v as u16).collect()),
-        _ => Signals::Eight(all.map(|v| v as u8).collect()),
-    }
 }

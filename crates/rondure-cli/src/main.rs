@@ -21,6 +21,7 @@ mod picture;
 mod profile;
 mod progress;
 mod render;
+mod room;
 mod scene;
 mod threads;
 mod trace;

@@ -137,7 +137,7 @@ impl Progress for Watcher<'_> {
             return;
         }
         noise.looked = Some(Instant::now());
-        noise.level = so_far.film.noise();
+        noise.level = so_far.sums.noise().ok().flatten();
         if let (Display::Bar(bar), Some(level)) = (&self.display, noise.level) {
             bar.set_message(noise_text(level) + "  ");
         }

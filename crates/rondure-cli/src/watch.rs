@@ -98,7 +98,7 @@ impl<'a> Watch<'a> {
             recipe: self.recipe,
             part: self.part,
             covered,
-            film: so_far.film,
+            sums: so_far.sums,
             statistics: so_far.statistics,
         }
     }

@@ -117,6 +117,41 @@ fn parts_in_any_order_make_the_picture() {
 }
 
 #[test]
+fn pictures_without_memory_are_the_same() {
+    let desk = desk();
+    for size in ["47x33", "16x16", "1x10000"] {
+        let drum = format!("render drum.toml -q --size {size} --spp 3");
+        let noisy = format!("render drum.toml -q --size {size} --spp 40 --noise 0.1");
+        for name in ["a.exr", "a.png", "a.rdf"] {
+            run(&desk, &format!("{drum} -o {name}"));
+            run(&desk, &format!("{drum} -o b-{name} --memory 0"));
+            same(&desk, name, &format!("b-{name}"));
+        }
+        run(&desk, "merge a.rdf -o c.png --memory 0");
+        same(&desk, "a.png", "c.png");
+        // From one place to the other.
+        run(&desk, &format!("{drum} -o c.exr --checkpoint c.rdf --time 0 --memory 0"));
+        run(&desk, &format!("{drum} -o c.exr --checkpoint c.rdf --resume"));
+        same(&desk, "a.exr", "c.exr");
+        run(&desk, &format!("{drum} -o c.exr --checkpoint c.rdf --time 0"));
+        run(&desk, &format!("{drum} -o c.exr --checkpoint c.rdf --resume --memory 0"));
+        same(&desk, "a.exr", "c.exr");
+        if size != "1x10000" {
+            run(&desk, &format!("{noisy} -o a.exr"));
+            run(&desk, &format!("{noisy} -o b.exr --memory 0 --preview p.png --scratch ."));
+            same(&desk, "a.exr", "b.exr");
+        }
+    }
+    let left = names(&desk);
+    assert!(left.iter().all(|name| !name.starts_with('.')), "{left:?}");
+    fails(
+        &desk,
+        "render drum.toml -q -o x.exr --memory 0 --scratch none",
+        &["cannot keep the sums of the picture in `none`", "--scratch"],
+    );
+}
+
+#[test]
 fn parts_that_do_not_fit_are_told_by_name() {
     let desk = desk();
     for k in 1..=3 {

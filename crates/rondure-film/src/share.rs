@@ -1,9 +1,10 @@
 //! Shares of a picture, and how they are put together.
 
-use crate::{Film, FilmError, Portion, Recipe, Statistics, Window};
+use crate::{Portion, Recipe, Room, Spool, SpoolError, Statistics, Window};
 
 /// A share of a picture: sums, and which samples they are of.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug)]
+#[cfg_attr(test, derive(PartialEq))]
 pub struct Share {
     /// What the picture is made from.
     pub recipe: Recipe,
@@ -12,7 +13,7 @@ pub struct Share {
     /// What has been taken; no sample twice.
     pub covered: Vec<Portion>,
     /// The sums.
-    pub film: Film,
+    pub sums: Spool,
     /// The work that went into them.
     pub statistics: Statistics,
 }
@@ -20,7 +21,7 @@ pub struct Share {
 impl Share {
     /// All samples of all pixels of the picture.
     pub fn whole(&self) -> Portion {
-        let [width, height] = self.film.size();
+        let [width, height] = self.sums.size();
         Portion { window: Window::whole(width, height), samples: 0..self.recipe.spp }
     }
 
@@ -77,11 +78,11 @@ pub enum MergeError {
     },
     /// The sums cannot be added.
     #[error("`{name}` cannot be added: {source}")]
-    Film {
+    Sums {
         /// The share.
         name: String,
         /// Why not.
-        source: FilmError,
+        source: SpoolError,
     },
 }
 
@@ -106,6 +107,7 @@ fn missing_text(parts: &Option<(Vec<u32>, u32)>, portions: &[Portion]) -> String
 pub struct Merge {
     sum: Option<Share>,
     added: Vec<Added>,
+    room: Room,
 }
 
 /// What is known of a share that was added.
@@ -117,10 +119,16 @@ struct Added {
 }
 
 impl Merge {
+    /// Nothing yet; the sum has this room.
+    pub fn new(room: Room) -> Self {
+        Self { room, ..Self::default() }
+    }
+
     /// Adds a share, which goes by a name in errors.
     ///
     /// # Errors
-    /// If it is of another picture than those before, or has samples that one of them has; then it is not added.
+    /// If it is of another picture than those before, or has samples that one of them has; then it is not added. If its sums cannot be
+    /// read, or there is no room for the whole, those before are of no more use.
     pub fn add(&mut self, name: &str, share: &Share) -> Result<(), MergeError> {
         let owned = || name.to_owned();
         if let Some(sum) = &self.sum {
@@ -130,7 +138,7 @@ impl Merge {
                 first: first.clone(),
                 difference,
             };
-            let size = |share: &Share| share.film.size();
+            let size = |share: &Share| share.sums.size();
             if let Some(difference) = sum.recipe.difference(&share.recipe) {
                 return Err(foreign(difference));
             }
@@ -138,7 +146,7 @@ impl Merge {
                 let [[a, b], [c, d]] = [size(share), size(sum)];
                 return Err(foreign(format!("its picture has {a}x{b} pixels, not {c}x{d}")));
             }
-            if sum.film.layers() != share.film.layers() {
+            if sum.sums.layers() != share.sums.layers() {
                 return Err(foreign("it has other layers".to_owned()));
             }
         }
@@ -150,23 +158,24 @@ impl Merge {
                 }
             }
         }
-        let film_error = |source| MergeError::Film { name: owned(), source };
+        let no_sums = |source| MergeError::Sums { name: owned(), source };
         let sum = match &mut self.sum {
             Some(sum) => sum,
             none => {
-                let size = share.film.size();
+                let size = share.sums.size();
                 let whole = Window::whole(size[0], size[1]);
-                let film = Film::new(size, whole, share.film.layers()).map_err(film_error)?;
+                let layers = share.sums.layers();
+                let sums = Spool::new(size, whole, layers, &self.room).map_err(no_sums)?;
                 none.insert(Share {
                     recipe: share.recipe.clone(),
                     part: None,
                     covered: Vec::new(),
-                    film,
+                    sums,
                     statistics: Statistics::default(),
                 })
             }
         };
-        sum.film.merge(&share.film).map_err(film_error)?;
+        sum.sums.merge_all(&share.sums).map_err(no_sums)?;
         sum.statistics.add(&share.statistics);
         sum.covered.extend_from_slice(&share.covered);
         let (part, covered) = (share.part, share.covered.clone());
@@ -215,7 +224,7 @@ impl Merge {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Layers, PixelSample, film::Guide};
+    use crate::{Film, Layers, PixelSample, film::Guide};
 
     const SIZE: [u32; 2] = [9, 11];
 
@@ -242,7 +251,7 @@ mod tests {
             }
         }
         let statistics = Statistics { camera_rays: portion.count() as u64, ..Default::default() };
-        Share { recipe: recipe(), part, covered: vec![portion], film, statistics }
+        Share { recipe: recipe(), part, covered: vec![portion], sums: film.into(), statistics }
     }
 
     #[test]
@@ -266,7 +275,9 @@ mod tests {
         let mut shares: Vec<_> = (1..=7).map(|k| share(k, 7)).collect();
         for turn in 0..7 {
             shares.rotate_left(turn);
-            let mut merge = Merge::default();
+            // In memory and in scratch files.
+            let memory = if turn % 2 == 0 { u64::MAX } else { 0 };
+            let mut merge = Merge::new(Room { memory, ..Room::default() });
             shares.iter().for_each(|s| merge.add("x", s).unwrap());
             assert_eq!(merge.finish().unwrap().unwrap(), whole);
         }
@@ -285,10 +296,12 @@ mod tests {
             "{foreign}"
         );
         let small = Film::new([9, 10], Window::whole(9, 1), Layers::default()).unwrap();
-        let sizes = told(&mut merge, &Share { film: small, ..share(2, 3) });
+        let sizes = told(&mut merge, &Share { sums: small.into(), ..share(2, 3) });
         assert!(sizes.contains("9x10 pixels, not 9x11"), "{sizes}");
         let layered = Film::new(SIZE, Window::whole(9, 1), Layers::ALL).unwrap();
-        assert!(told(&mut merge, &Share { film: layered, ..share(2, 3) }).contains("layers"));
+        assert!(
+            told(&mut merge, &Share { sums: layered.into(), ..share(2, 3) }).contains("layers")
+        );
         let doubled = told(&mut merge, &share(1, 3));
         assert_eq!(doubled, "`two` and `one` have 9x3 at 0,0, samples 0..4 in common");
         let window = Window { x: 4, y: 2, width: 3, height: 4 };

@@ -43,7 +43,7 @@ mod world;
 
 pub use job::{Job, Prepared, TileSums};
 pub use look::look;
-pub use picture::{Picture, WriteError};
+pub use picture::{Picture, WriteError, write_png};
 pub use render::{Progress, RenderError, Settings, render};
 pub use rondure_film::Statistics;
 pub use work::{Outcome, Snapshot, Work};

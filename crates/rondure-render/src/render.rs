@@ -2,7 +2,7 @@
 
 use core::ops::Range;
 
-use rondure_film::{FilmError, Layers};
+use rondure_film::{FilmError, Layers, Room, SpoolError};
 use rondure_image::WhiteError;
 use rondure_scene::Scene;
 
@@ -77,6 +77,9 @@ pub enum RenderError {
     /// The film cannot take what it is to take.
     #[error(transparent)]
     Film(#[from] FilmError),
+    /// The sums cannot be kept in a scratch file.
+    #[error(transparent)]
+    Sums(SpoolError),
     /// Samples were asked for that are not of the pass.
     #[error("samples {samples:?} are not all of the pass of samples {pass:?}")]
     OtherPass {
@@ -143,6 +146,15 @@ pub enum RenderError {
     Threads(#[from] rayon::ThreadPoolBuildError),
 }
 
+impl From<SpoolError> for RenderError {
+    fn from(error: SpoolError) -> Self {
+        match error {
+            SpoolError::Film(error) => Self::Film(error),
+            other => Self::Sums(other),
+        }
+    }
+}
+
 /// Renders a scene.
 ///
 /// # Errors
@@ -154,9 +166,9 @@ pub fn render(
 ) -> Result<Picture, RenderError> {
     let look = look(&scene.film)?;
     let job = Job::new(scene, settings, Layers::default())?;
-    let mut work = Work::new(&job, job.whole())?;
+    let mut work = Work::new(&job, job.whole(), &Room::default())?;
     match work.run(&job, settings.threads, progress)? {
-        Outcome::Finished => Ok(Picture::new(work.film(), look, *work.statistics())),
+        Outcome::Finished => Ok(Picture::new(&*work.sums().film()?, look, *work.statistics())),
         Outcome::Stopped => Err(RenderError::Cancelled),
     }
 }

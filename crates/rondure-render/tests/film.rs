@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use common::{Build, WHITE, matte, scene};
 use rondure::Vec3;
-use rondure_film::{Film, Layers, Portion, Window};
+use rondure_film::{Film, Layers, Portion, Room, Window};
 use rondure_render::{Job, Outcome, Progress, Settings, Snapshot, Work};
 use rondure_scene::{Glass, Integrator, Lens, Light, Material, Paint, Projection, Scene, Shape};
 
@@ -42,9 +42,9 @@ fn settings() -> Settings {
 }
 
 fn finished(job: &Job<'_>, portion: Portion, edge: u32, threads: usize) -> Film {
-    let mut work = Work::with_tiles(job, portion, edge).unwrap();
+    let mut work = Work::with_tiles(job, portion, &Room::default(), edge).unwrap();
     assert_eq!(work.run(job, Some(threads), &()).unwrap(), Outcome::Finished);
-    work.film().clone()
+    work.sums().film().unwrap().into_owned()
 }
 
 #[test]
@@ -56,6 +56,24 @@ fn threads_and_tiles_change_no_bit() {
         for (edge, threads) in [(1, 2), (7, 1), (8, 2), (32, 2), (1000, 1), (u32::MAX, 2)] {
             assert!(film == finished(&job, job.whole(), edge, threads), "{edge} {threads}");
         }
+    }
+}
+
+/// Sums in a scratch file.
+fn scratch(folder: &tempfile::TempDir) -> Room {
+    Room { memory: 0, folder: folder.path().to_owned() }
+}
+
+#[test]
+fn pictures_without_memory_have_the_same_bits() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = bright(37, 41, 3);
+    let job = Job::new(&scene, &settings(), Layers::ALL).unwrap();
+    let film = finished(&job, job.whole(), 32, 1);
+    for (edge, threads) in [(32, 2), (7, 1), (100, 2)] {
+        let mut work = Work::with_tiles(&job, job.whole(), &scratch(&folder), edge).unwrap();
+        assert_eq!(work.run(&job, Some(threads), &()).unwrap(), Outcome::Finished);
+        assert!(*work.sums().film().unwrap() == film, "{edge} {threads}");
     }
 }
 
@@ -121,7 +139,7 @@ fn work_goes_on_where_it_was_stopped() {
     let job = Job::new(&scene, &settings(), Layers::ALL).unwrap();
     let film = finished(&job, job.whole(), 32, 1);
     for threads in [1, 2] {
-        let mut work = Work::with_tiles(&job, job.whole(), 8).unwrap();
+        let mut work = Work::with_tiles(&job, job.whole(), &Room::default(), 8).unwrap();
         let mut stops = 0;
         for i in 0.. {
             let fuse = Fuse { left: (5 + 7 * i).into(), at_once: i % 2 == 0 };
@@ -131,7 +149,7 @@ fn work_goes_on_where_it_was_stopped() {
             }
         }
         assert!(stops > 3);
-        assert!(*work.film() == film);
+        assert!(*work.sums().film().unwrap() == film);
     }
 }
 
