@@ -230,40 +230,63 @@ fn wait_for(path: &Path) {
     }
 }
 
+/// Kills work 20 times at random moments, each time while it runs, and lets it end then.
 #[cfg(unix)]
-#[test]
-fn killed_work_goes_on_to_the_same_picture() {
+fn kill_and_go_on(options: &str) {
+    use std::os::unix::process::ExitStatusExt;
     let desk = desk();
     desk.file("drum.toml", SCENE.to_owned() + GLASS);
-    let size = "--size 80x60 --spp 10";
     let start = Instant::now();
-    run(&desk, &format!("render drum.toml -q -o whole.exr {size}"));
+    run(&desk, &format!("render drum.toml -q -o whole.exr {options}"));
     let all = start.elapsed().as_millis() as u64;
-    let arguments =
-        format!("render drum.toml -q -o killed.exr {size} --checkpoint c.rdf --resume --every 0s");
-    let mut killed = 0;
+    let arguments = format!(
+        "render drum.toml -q -o killed.exr {options} --checkpoint c.rdf --resume --every 0s"
+    );
+    let (mut killed, mut gone_on, mut ended) = (0, 0, 0);
     let mut random = 12345_u64;
-    for round in 0..12_u64 {
+    while killed < 20 {
         random =
             random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        gone_on += u32::from(desk.path("c.rdf").exists());
         let mut child = desk.command(&arguments).spawn().unwrap();
-        // At first too early to be done, then at any time.
-        let longest = if round < 4 { all / 8 } else { all / 3 };
-        thread::sleep(Duration::from_millis((random >> 33) % (longest + 1)));
+        thread::sleep(Duration::from_millis((random >> 33) % (all / 3 + 1)));
         signal(&child, "-KILL");
         let status = child.wait().unwrap();
-        if status.success() {
-            break;
+        if status.signal() == Some(9) {
+            killed += 1;
+        } else {
+            // It came to its end before; the next one begins anew.
+            assert!(status.success());
+            same(&desk, "whole.exr", "killed.exr");
+            ended += 1;
         }
-        killed += 1;
+        assert!(ended < 100);
     }
-    assert!(killed > 3, "{killed}");
+    assert!(gone_on > 5, "{gone_on}");
     run(&desk, &arguments);
     same(&desk, "whole.exr", "killed.exr");
     // Nothing is left of checkpoints by those who were killed while they wrote; of other files there may be temporary ones.
     let left = names(&desk);
     let left: Vec<_> = left.iter().filter(|name| !name.starts_with(".rondure-")).collect();
     assert_eq!(left, ["drum.path", "drum.toml", "killed.exr", "whole.exr"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn killed_work_goes_on_to_the_same_picture() {
+    kill_and_go_on("--size 64x48 --spp 10");
+}
+
+#[cfg(unix)]
+#[test]
+fn killed_work_with_a_limit_of_noise_goes_on_to_the_same_picture() {
+    kill_and_go_on("--size 64x48 --spp 32 --noise 0.1");
+}
+
+#[cfg(unix)]
+#[test]
+fn killed_work_without_memory_goes_on_to_the_same_picture() {
+    kill_and_go_on("--size 64x48 --spp 10 --memory 0");
 }
 
 #[test]
