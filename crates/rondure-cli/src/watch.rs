@@ -109,6 +109,10 @@ impl Progress for Watch<'_> {
         self.watcher.advance(done);
     }
 
+    fn preparing(&self, done: f64) {
+        self.watcher.preparing(done);
+    }
+
     fn is_cancelled(&self) -> bool {
         self.watcher.is_cancelled()
     }

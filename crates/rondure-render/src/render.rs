@@ -30,12 +30,17 @@ pub trait Progress: Sync {
         let _ = done;
     }
 
+    /// Of what is made before a pass (photons), `done` (from 0 to 1) is; it may come out of order.
+    fn preparing(&self, done: f64) {
+        let _ = done;
+    }
+
     /// Whether to stop at once. Asked once for each row of a tile; a tile in the making is given up.
     fn is_cancelled(&self) -> bool {
         false
     }
 
-    /// Whether to stop when the tiles in the making are done. Asked before each tile.
+    /// Whether to stop when the tiles in the making are done. Asked before each tile, and while what is made before a pass is made.
     fn is_enough(&self) -> bool {
         false
     }

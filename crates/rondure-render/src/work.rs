@@ -197,13 +197,13 @@ impl Work {
         threads: Option<usize>,
         progress: &dyn Progress,
     ) -> Result<Outcome, RenderError> {
+        let parallel = threads != Some(1);
         match threads {
-            Some(1) => self.passes(job, false, progress),
             Some(threads) => rayon::ThreadPoolBuilder::new()
                 .num_threads(threads)
                 .build()?
-                .install(|| self.passes(job, true, progress)),
-            None => self.passes(job, true, progress),
+                .install(|| self.passes(job, parallel, progress)),
+            None => self.passes(job, parallel, progress),
         }
     }
 
@@ -227,7 +227,9 @@ impl Work {
                 break;
             }
             let todo = Todo { samples: &samples, tiles: &left, blocks: blocks.as_ref() };
-            match self.pass(job, &job.prepare(pass), &todo, parallel, progress) {
+            let prepared = job.prepare(pass, progress);
+            let made = prepared.and_then(|p| self.pass(job, &p, &todo, parallel, progress));
+            match made {
                 Err(RenderError::Cancelled) => return Ok(Outcome::Stopped),
                 other => other?,
             }

@@ -153,6 +153,57 @@ fn work_goes_on_where_it_was_stopped() {
     }
 }
 
+/// Stops after some reports of what is made before a pass.
+struct Impatient {
+    left: AtomicU32,
+    at_once: bool,
+    seen: AtomicU32,
+}
+
+impl Impatient {
+    fn is_gone(&self) -> bool {
+        self.left.load(Ordering::Relaxed) == 0
+    }
+}
+
+impl Progress for Impatient {
+    fn preparing(&self, done: f64) {
+        assert!((0.0..=1.0).contains(&done));
+        self.seen.fetch_add(1, Ordering::Relaxed);
+        let _ = self.left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |n| n.checked_sub(1));
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.at_once && self.is_gone()
+    }
+
+    fn is_enough(&self) -> bool {
+        !self.at_once && self.is_gone()
+    }
+
+    fn landed(&self, _: &Snapshot<'_>) {
+        assert!(!self.is_gone(), "photons were made to the end");
+    }
+}
+
+#[test]
+fn photons_can_be_interrupted() {
+    let scene = bright(17, 11, 3);
+    let job = Job::new(&scene, &settings(), Layers::ALL).unwrap();
+    let film = finished(&job, job.whole(), 32, 1);
+    for (threads, at_once) in [(1, true), (1, false), (2, true), (2, false)] {
+        let mut work = Work::new(&job, job.whole(), &Room::default()).unwrap();
+        let patience = |left: u32| Impatient { left: left.into(), at_once, seen: 0.into() };
+        let progress = patience(3);
+        assert_eq!(work.run(&job, Some(threads), &progress).unwrap(), Outcome::Stopped);
+        assert_eq!(work.snapshot().done(), 0.0);
+        let seen = progress.seen.load(Ordering::Relaxed);
+        assert!((3..10).contains(&seen), "{seen}");
+        assert_eq!(work.run(&job, Some(threads), &patience(u32::MAX)).unwrap(), Outcome::Finished);
+        assert!(*work.sums().film().unwrap() == film);
+    }
+}
+
 #[test]
 fn layers_tell_what_is_seen_first() {
     let mut scene = still(41, 31, 16);

@@ -219,6 +219,10 @@ impl Progress for Part<'_> {
         self.inner.advance((self.done as f64 + done) / self.all as f64);
     }
 
+    fn preparing(&self, done: f64) {
+        self.inner.preparing(done);
+    }
+
     fn is_cancelled(&self) -> bool {
         self.inner.is_cancelled()
     }
