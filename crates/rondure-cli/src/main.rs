@@ -14,6 +14,7 @@ mod json;
 mod look;
 mod measure;
 mod merge;
+mod oidn;
 mod output;
 mod paper;
 mod part;

@@ -16,6 +16,7 @@ pub mod file;
 pub mod flip;
 mod image;
 mod matrix;
+pub mod pfm;
 pub mod png;
 mod signals;
 pub mod tone;
