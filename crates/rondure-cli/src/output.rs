@@ -143,6 +143,25 @@ pub(crate) fn check_place(option: &str, path: &Path, bytes: u64) -> Result<(), F
     probe().map_err(unwritable)
 }
 
+/// Makes sure that files of two kinds, of which the second is named by an option, are not one.
+pub(crate) fn check_apart(
+    (kind, path): (&str, &Path),
+    (other_kind, other, option): (&str, &Path, &str),
+) -> Result<(), Failure> {
+    let place = |path: &Path| {
+        let folder = folder_of(path);
+        (
+            fs::canonicalize(folder).unwrap_or_else(|_| folder.to_owned()),
+            path.file_name().map(OsStr::to_owned),
+        )
+    };
+    if place(path) != place(other) {
+        return Ok(());
+    }
+    let title = format!("`{}` cannot be both {kind} and {other_kind}", path.display());
+    Err(Failure::new(title, &format!("give another name with {option}")))
+}
+
 /// The folder that a file lies in.
 pub(crate) fn folder_of(path: &Path) -> &Path {
     match path.parent() {

@@ -102,12 +102,19 @@ impl Render {
         let shown = Shown::of(&scene.film)?;
         let settings = self.scene.settings();
         let job = Job::new(&scene, &settings, output.layers()).map_err(cannot_render)?;
-        let portion = self.part.of(&job.whole())?;
+        let portion = self.part.of(&job.whole(), self.noise.is_some())?;
         let pixels = portion.window.pixels();
         output.check(pixels)?;
         let preview = self.long.preview.clone().map(watch::preview).transpose()?;
         if let Some(preview) = &preview {
             preview.check(pixels)?;
+        }
+        if let Some(checkpoint) = &self.long.checkpoint {
+            let checkpoint = ("the checkpoint", checkpoint.as_path(), "--checkpoint");
+            output::check_apart(("the picture", &output.path), checkpoint)?;
+            if let Some(preview) = &preview {
+                output::check_apart(("the preview", &preview.path), checkpoint)?;
+            }
         }
         let checkpoint = self.long.checkpoint.as_deref().map(Checkpoint::new).transpose()?;
         let room = self.room.of(&output.path);

@@ -5,7 +5,10 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use rondure_film::{Room, SpoolError};
 
-use crate::{failure::Failure, output::folder_of};
+use crate::{
+    failure::{Failure, plain},
+    output::folder_of,
+};
 
 #[derive(Debug, Args)]
 pub(crate) struct RoomArgs {
@@ -30,11 +33,17 @@ impl RoomArgs {
 
 /// Why there are no sums.
 pub(crate) fn cannot_keep(error: SpoolError) -> Failure {
-    let help = match error {
-        SpoolError::Io { .. } => "choose another folder with --scratch, or allow more --memory",
-        _ => "choose a smaller --size, or allow less --memory",
-    };
-    Failure::new(error, help)
+    match error {
+        SpoolError::Io { folder, source } => Failure::new(
+            format!(
+                "cannot keep the sums of the picture in `{}`: {}",
+                folder.display(),
+                plain(&source)
+            ),
+            "choose another folder with --scratch, or allow more --memory",
+        ),
+        other => Failure::new(other, "choose a smaller --size, or allow less --memory"),
+    }
 }
 
 /// A number of bytes, like 500M or 1.5G, or plain.

@@ -201,6 +201,47 @@ fn parts_that_do_not_fit_are_told_by_name() {
 }
 
 #[test]
+fn parts_with_a_limit_of_noise_make_the_picture() {
+    let desk = desk();
+    let drum = "render drum.toml -q --size 40x54 --spp 40 --noise 0.1";
+    run(&desk, &format!("{drum} -o whole.exr --threads 1"));
+    for k in 1..=7 {
+        run(&desk, &format!("{drum} --part {k}/7 -o part-{k}.rdf --threads 2"));
+    }
+    for order in [[1, 2, 3, 4, 5, 6, 7], [7, 3, 1, 6, 4, 2, 5], [4, 6, 7, 1, 2, 5, 3]] {
+        let parts = order.map(|k| format!("part-{k}.rdf")).join(" ");
+        run(&desk, &format!("merge {parts} -o merged.exr"));
+        same(&desk, "whole.exr", "merged.exr");
+    }
+    run(&desk, &format!("{drum} --tile 0,0,24,54 -o left.rdf"));
+    run(&desk, &format!("{drum} --tile 24,0,16,54 -o right.rdf"));
+    run(&desk, "merge right.rdf left.rdf -o merged.exr");
+    same(&desk, "whole.exr", "merged.exr");
+    fails(&desk, &format!("{drum} --part 1/8 -o x.rdf"), &["54 rows", "8 parts", "8 rows"]);
+    let cut = ["whole blocks of 8x8 pixels", "leave away --noise"];
+    fails(&desk, &format!("{drum} --tile 0,0,23,54 -o x.rdf"), &cut);
+    fails(&desk, &format!("{drum} --sample-range 0..20 -o x.rdf"), &cut);
+}
+
+#[test]
+fn files_of_two_kinds_with_one_name_are_refused() {
+    let desk = desk();
+    desk.file("c.rdf", "old");
+    for (options, words) in [
+        ("-o c.rdf --checkpoint ./c.rdf", ["`c.rdf`", "the picture and the checkpoint"]),
+        ("-o x.png --checkpoint x.png", ["`x.png`", "the picture and the checkpoint"]),
+        (
+            "-o x.png --checkpoint c.png --preview c.png",
+            ["`c.png`", "the preview and the checkpoint"],
+        ),
+    ] {
+        fails(&desk, &format!("render drum.toml {options} --resume"), &words);
+    }
+    assert_eq!(names(&desk), ["c.rdf", "drum.path", "drum.toml"]);
+    assert_eq!(fs::read_to_string(desk.path("c.rdf")).unwrap(), "old");
+}
+
+#[test]
 fn options_for_parts_are_checked() {
     let desk = desk();
     fails(&desk, "render drum.toml --part 1/2 -o x.png", &["a part of a picture", ".rdf"]);

@@ -100,20 +100,27 @@ fn channels(layers: Layers) -> Vec<(&'static str, Shows)> {
     all
 }
 
-fn value(film: &Film, x: u32, y: u32, shows: Shows) -> f32 {
-    let guide = || film.guide(x, y).unwrap_or_default();
-    let center = || film.center(x, y).unwrap_or(crate::Center::SKY);
-    match shows {
-        Shows::Light(c) => film.light(x, y)[c] as f32,
-        Shows::Variance(c) => film.variance(x, y)[c] as f32,
-        Shows::Samples => film.samples(x, y) as f32,
-        Shows::Albedo(c) => guide().albedo[c] as f32,
-        Shows::Normal(c) => guide().normal[c] as f32,
-        Shows::Depth => center().depth,
-        Shows::Position(c) => center().position[c],
-        Shows::Object => center().object as f32,
-        Shows::Material => center().material as f32,
-    }
+/// What channels show of a pixel, in their order. Each layer is worked out once.
+fn values<'a>(
+    film: &Film,
+    x: u32,
+    y: u32,
+    channels: &'a [(&str, Shows)],
+) -> impl Iterator<Item = f32> + use<'a> {
+    let (light, variance, samples) = (film.light(x, y), film.variance(x, y), film.samples(x, y));
+    let guide = film.guide(x, y).unwrap_or_default();
+    let center = film.center(x, y).unwrap_or(crate::Center::SKY);
+    channels.iter().map(move |(_, shows)| match *shows {
+        Shows::Light(c) => light[c] as f32,
+        Shows::Variance(c) => variance[c] as f32,
+        Shows::Samples => samples as f32,
+        Shows::Albedo(c) => guide.albedo[c] as f32,
+        Shows::Normal(c) => guide.normal[c] as f32,
+        Shows::Depth => center.depth,
+        Shows::Position(c) => center.position[c],
+        Shows::Object => center.object as f32,
+        Shows::Material => center.material as f32,
+    })
 }
 
 /// Text as the bytes it has; readers take them for UTF-8.
@@ -132,19 +139,23 @@ pub fn write_exr(path: impl AsRef<Path>, sums: &Spool, recipe: &Recipe) -> Resul
     let [width, _] = sums.size();
     let rows = |y, height| {
         let film = sums.view(Window { x: 0, y, width, height })?;
-        let channels = &channels;
-        Ok(move |channel: usize, x, y| value(&film, x, y, channels[channel].1))
+        let mut planes = vec![Vec::new(); channels.len()];
+        for (x, y) in (y..y + height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+            let values = values(&film, x, y, &channels);
+            planes.iter_mut().zip(values).for_each(|(plane, v)| plane.push(v));
+        }
+        Ok(planes)
     };
     write_channels(path.as_ref(), sums.size(), &names, &recipe.lines(), rows)
 }
 
-/// Writes channels, whose names are in order, some rows at a time: `rows` takes the first of them and how many, and gives their values by channel, column and row.
-fn write_channels<V: Fn(usize, u32, u32) -> f32>(
+/// Writes channels, whose names are in order, some rows at a time: `rows` takes the first of them and how many, and gives their values for each channel.
+fn write_channels<P: AsRef<[f32]>>(
     path: &Path,
     [width, height]: [u32; 2],
     names: &[&str],
     comments: &str,
-    mut rows: impl FnMut(u32, u32) -> Result<V, SpoolError>,
+    mut rows: impl FnMut(u32, u32) -> Result<Vec<P>, SpoolError>,
 ) -> Result<(), ExrError> {
     let descriptions = names
         .iter()
@@ -170,13 +181,15 @@ fn write_channels<V: Fn(usize, u32, u32) -> f32>(
         block::write(out, [header].into_iter().collect(), true, |meta, chunks| {
             let mut block = |index: BlockIndex| {
                 let (y, height) = (index.pixel_position.y() as u32, index.pixel_size.height());
-                let values = rows(y, height as u32).map_err(|error| unread = Some(error)).ok();
-                let value = |channel, x, y| values.as_ref().map_or(0.0, |v| v(channel, x, y));
+                let planes = rows(y, height as u32).map_err(|error| unread = Some(error));
+                let planes = planes.unwrap_or_default();
                 UncompressedBlock::from_lines(&meta.headers[0].channels, index, |line| {
                     let at = line.location;
-                    let (x, y) = (at.position.x() as u32, at.position.y() as u32);
-                    for (i, bytes) in line.value.chunks_exact_mut(4).enumerate() {
-                        let v = value(at.channel, x + i as u32, y);
+                    let start = (at.position.y() as usize - y as usize) * width as usize;
+                    let row = planes.get(at.channel).map(|plane| &plane.as_ref()[start..]);
+                    // Nothing is kept of a file of which rows are missing.
+                    let row = row.unwrap_or_default();
+                    for (bytes, v) in line.value.chunks_exact_mut(4).zip(row) {
                         bytes.copy_from_slice(&v.to_ne_bytes());
                     }
                 })
@@ -277,8 +290,11 @@ impl ExrPicture {
         channels.sort_by_key(|(name, _)| name);
         let names: Vec<_> = channels.iter().map(|(name, _)| name.as_str()).collect();
         let width = self.size[0] as usize;
-        let value = |channel: usize, x, y| channels[channel].1[y as usize * width + x as usize];
-        write_channels(path, self.size, &names, &self.comments, |_, _| Ok(value))
+        let rows = |y: u32, height: u32| {
+            let place = y as usize * width..(y + height) as usize * width;
+            Ok(channels.iter().map(|(_, values)| &values[place.clone()]).collect())
+        };
+        write_channels(path, self.size, &names, &self.comments, rows)
     }
 
     /// Reads the first part of a file; its first level, if it has several.
@@ -384,12 +400,12 @@ mod tests {
                 channels(film.layers()).iter().map(|(name, _)| *name).collect::<Vec<_>>()
             );
             assert_eq!(names.len(), 19);
-            for (name, shows) in channels(film.layers()) {
-                let values = read.channel(name).unwrap();
-                for y in 0..height {
-                    for x in 0..width {
-                        let found = values[(y * width + x) as usize];
-                        assert_eq!(found, value(&film, x, y, shows), "{name} {x} {y}");
+            let all = channels(film.layers());
+            for y in 0..height {
+                for x in 0..width {
+                    for ((name, _), v) in all.iter().zip(values(&film, x, y, &all)) {
+                        let found = read.channel(name).unwrap()[(y * width + x) as usize];
+                        assert_eq!(found, v, "{name} {x} {y}");
                     }
                 }
             }

@@ -30,14 +30,18 @@ impl Share {
         self.whole().missing(&self.covered)
     }
 
-    /// The part with number `part` of `parts` (from 1) of a picture: a band of rows, all bands as high as each other to within one row. `None` if there
-    /// is no such part: 0, more than `parts`, or more parts than rows.
-    pub fn portion(whole: &Portion, part: u32, parts: u32) -> Option<Portion> {
-        let window = whole.window;
-        if part == 0 || part > parts || parts > window.height {
+    /// The part with number `part` of `parts` (from 1) of a picture: a band of rows, each but the last of a multiple of `grain` rows (at least 1), all bands
+    /// as high as each other to within `grain` rows. `None` if there is no such part: 0, more than `parts`, or more parts than times `grain` rows.
+    pub fn portion(whole: &Portion, part: u32, parts: u32, grain: u32) -> Option<Portion> {
+        let (window, grain) = (whole.window, grain.max(1));
+        let grains = u64::from(window.height.div_ceil(grain));
+        if part == 0 || part > parts || u64::from(parts) > grains {
             return None;
         }
-        let at = |k: u32| (u64::from(window.height) * u64::from(k) / u64::from(parts)) as u32;
+        let at = |k: u32| {
+            let rows = grains * u64::from(k) / u64::from(parts) * u64::from(grain);
+            rows.min(u64::from(window.height)) as u32
+        };
         let (top, bottom) = (at(part - 1), at(part));
         let window = Window { y: window.y + top, height: bottom - top, ..window };
         Some(Portion { window, samples: whole.samples.clone() })
@@ -234,7 +238,7 @@ mod tests {
 
     fn share(part: u32, parts: u32) -> Share {
         let whole = Portion { window: Window::whole(SIZE[0], SIZE[1]), samples: 0..4 };
-        let portion = Share::portion(&whole, part, parts).unwrap();
+        let portion = Share::portion(&whole, part, parts, 1).unwrap();
         of(portion, Some((part, parts)))
     }
 
@@ -259,13 +263,22 @@ mod tests {
         let whole = Portion { window: Window { x: 2, y: 5, width: 7, height: 11 }, samples: 0..3 };
         for parts in 1..=11 {
             let all: Vec<_> =
-                (1..=parts).map(|k| Share::portion(&whole, k, parts).unwrap()).collect();
+                (1..=parts).map(|k| Share::portion(&whole, k, parts, 1).unwrap()).collect();
             assert_eq!(Portion::joined(all.clone()), std::slice::from_ref(&whole));
             let heights = all.iter().map(|p| p.window.height);
             assert!(heights.clone().max().unwrap() - heights.min().unwrap() <= 1);
         }
+        let bands = |grain| {
+            let bands = (1..=3).map(|k| Share::portion(&whole, k, 3, grain));
+            bands
+                .map(|band| band.map(|band| (band.window.y, band.window.height)))
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(bands(4), [Some((5, 4)), Some((9, 4)), Some((13, 3))]);
+        assert_eq!(bands(5), [Some((5, 5)), Some((10, 5)), Some((15, 1))]);
+        assert_eq!(bands(6), [None; 3]);
         for (part, parts) in [(0, 3), (4, 3), (1, 0), (12, 12), (1, 12)] {
-            assert_eq!(Share::portion(&whole, part, parts), None);
+            assert_eq!(Share::portion(&whole, part, parts, 1), None);
         }
     }
 

@@ -15,7 +15,7 @@
 use rondure_film::{Film, Spool, SpoolError, Window};
 
 /// The edge of a block, in pixels.
-const EDGE: u32 = 8;
+pub const EDGE: u32 = 8;
 /// How many samples each pixel gets before the variance is believed.
 const FIRST: u32 = 16;
 /// What keeps black pixels from counting without bound, as the square of a light that is shown.
@@ -26,6 +26,15 @@ const FLOOR: f64 = 0.01;
 pub(crate) struct Blocks {
     columns: u32,
     active: Vec<bool>,
+}
+
+/// Whether a window of a picture of `size` consists of whole blocks.
+pub(crate) fn are_whole(window: &Window, [width, height]: [u32; 2]) -> bool {
+    let good = |first: u32, count: u32, all: u32| {
+        let end = first.saturating_add(count);
+        first % EDGE == 0 && (end % EDGE == 0 || end == all)
+    };
+    good(window.x, window.width, width) && good(window.y, window.height, height)
 }
 
 impl Blocks {

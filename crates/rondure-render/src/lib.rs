@@ -41,6 +41,7 @@ mod warp;
 mod work;
 mod world;
 
+pub use adaptive::EDGE as NOISE_BLOCK;
 pub use job::{Job, Prepared, TileSums};
 pub use look::look;
 pub use picture::{Picture, WriteError, write_png};

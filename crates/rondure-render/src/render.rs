@@ -7,7 +7,7 @@ use rondure_image::WhiteError;
 use rondure_scene::Scene;
 
 use crate::{
-    Picture,
+    NOISE_BLOCK, Picture,
     job::Job,
     look::look,
     work::{Outcome, Snapshot, Work},
@@ -140,8 +140,10 @@ pub enum RenderError {
     /// A limit of noise needs to know the noise.
     #[error("a picture without a layer of variance has no limit of noise")]
     NoVariance,
-    /// Only whole pictures can be judged by their noise.
-    #[error("a limit of noise is for whole pictures, not for parts")]
+    /// Only whole blocks with all their samples can be judged by their noise.
+    #[error(
+        "a limit of noise is for parts of whole blocks of {NOISE_BLOCK}x{NOISE_BLOCK} pixels with all their samples"
+    )]
     NoisePart,
     /// No light has the colour that is to look white.
     #[error(transparent)]

@@ -11,7 +11,7 @@ use rondure_film::{Pass, Portion, Room, Share, Spool, Statistics, Window};
 
 use crate::{
     Progress, RenderError,
-    adaptive::Blocks,
+    adaptive::{Blocks, are_whole},
     job::{Job, Prepared, TileSums},
 };
 
@@ -154,9 +154,10 @@ impl Work {
     /// invisible. The picture depends on the limit, but not on threads, tiles or interruptions.
     ///
     /// # Errors
-    /// If the portion is not the whole picture, or the film does not keep the variance.
+    /// If the portion is not of whole blocks of [`NOISE_BLOCK`](crate::NOISE_BLOCK) pixels with all their samples, or the film does not keep the variance.
     pub fn until(mut self, job: &Job<'_>, noise: f64) -> Result<Self, RenderError> {
-        if self.portion != job.whole() {
+        let whole = are_whole(&self.portion.window, job.size());
+        if !whole || self.portion.samples != job.whole().samples {
             return Err(RenderError::NoisePart);
         }
         if !job.layers().variance {

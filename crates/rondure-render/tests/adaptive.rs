@@ -8,8 +8,8 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use common::{Build, WHITE, matte, scene};
 use rondure::Vec3;
-use rondure_film::{Film, Layers, Portion, Room, Window};
-use rondure_render::{Job, Outcome, Progress, RenderError, Settings, Work};
+use rondure_film::{Film, Layers, Portion, Room, Share, Window};
+use rondure_render::{Job, NOISE_BLOCK, Outcome, Progress, RenderError, Settings, Work};
 use rondure_scene::{Integrator, Light, Projection, Scene, Shape};
 
 const NOISE: f64 = 0.02;
@@ -110,7 +110,29 @@ fn what_has_no_noise_to_judge_is_refused() {
     };
     assert!(matches!(until(&few, few.whole()), Err(RenderError::NoVariance)));
     let job = Job::new(&scene, &settings(), Layers::ALL).unwrap();
-    let window = Window { x: 0, y: 0, width: 8, height: 8 };
-    let part = Portion { window, ..job.whole() };
-    assert!(matches!(until(&job, part), Err(RenderError::NoisePart)));
+    let part =
+        |x, y, width, height| Portion { window: Window { x, y, width, height }, ..job.whole() };
+    for cut in [part(0, 0, 7, 8), part(0, 0, 8, 9), part(1, 0, 7, 8), part(40, 32, 4, 2)] {
+        assert!(matches!(until(&job, cut), Err(RenderError::NoisePart)));
+    }
+    let early = Portion { samples: 0..16, ..job.whole() };
+    assert!(matches!(until(&job, early), Err(RenderError::NoisePart)));
+    assert!(until(&job, part(40, 32, 4, 3)).is_ok());
+}
+
+#[test]
+fn parts_make_the_whole() {
+    let scene = still(80);
+    let job = Job::new(&scene, &settings(), Layers::ALL).unwrap();
+    let mut whole = work(&job, 32);
+    whole.run(&job, None, &()).unwrap();
+    let mut sum = Film::new(job.size(), job.whole().window, Layers::ALL).unwrap();
+    for k in [4, 1, 5, 3, 2] {
+        let part = Share::portion(&job.whole(), k, 5, NOISE_BLOCK).unwrap();
+        let mut work = Work::new(&job, part, &Room::default()).unwrap().until(&job, NOISE).unwrap();
+        work.run(&job, None, &()).unwrap();
+        assert_eq!(work.snapshot().done(), 1.0);
+        sum.merge(&work.sums().film().unwrap()).unwrap();
+    }
+    assert!(*whole.sums().film().unwrap() == sum);
 }
