@@ -123,7 +123,7 @@ fn a_limit_of_noise_saves_samples() {
     assert!((16.0..60.0).contains(&mean), "{mean}");
     assert_eq!(desk.run("render scene.toml -o b.exr --spp 64 --noise 0.05 --threads 1").code, 0);
     assert_eq!(desk.run("compare a.exr b.exr --exact").code, 0);
-    for (arguments, code) in [("--noise 0", 2), ("--noise 0.1 --part 1/2 -o a.rdf", 1)] {
+    for (arguments, code) in [("--noise 0", 2), ("--noise 0.1 --sample-range 0..2 -o a.rdf", 1)] {
         let outcome = desk.run(&format!("render scene.toml {arguments}"));
         assert_eq!(outcome.code, code, "{}", outcome.stderr);
     }

@@ -14,6 +14,7 @@ use std::{
 };
 
 use common::Desk;
+use rondure_film::{Room, Share};
 
 /// A drum under a lamp, with a soft shadow.
 const SCENE: &str = r#"
@@ -366,6 +367,12 @@ fn foreign_and_damaged_checkpoints_are_refused() {
         &["another part of the picture"],
     );
     let good = fs::read(desk.path("c.rdf")).unwrap();
+    let mut other = Share::read(desk.path("c.rdf"), &Room::default()).unwrap();
+    let version = other.recipe.settings.iter_mut().find(|(key, _)| key == "version").unwrap();
+    version.1 = "0.0.9".to_owned();
+    other.as_ref().write(desk.path("c.rdf")).unwrap();
+    refused("", &["version is 0.0.9, not"]);
+    desk.file("c.rdf", &good);
     desk.file("drum.path", "M 0 0 L 1 0 L 1 2 L 0 2 Z");
     refused("", &["another scene, or the scene has been changed"]);
     desk.file("drum.path", DRUM);
