@@ -185,7 +185,7 @@ fn write_channels<P: AsRef<[f32]>>(
                 let planes = planes.unwrap_or_default();
                 UncompressedBlock::from_lines(&meta.headers[0].channels, index, |line| {
                     let at = line.location;
-                    let start = (at.position.y() as usize - y as usize) * width as usize;
+                    let start = (at.position.y() - y as usize) * width as usize;
                     let row = planes.get(at.channel).map(|plane| &plane.as_ref()[start..]);
                     // Nothing is kept of a file of which rows are missing.
                     let row = row.unwrap_or_default();

@@ -32,7 +32,7 @@ pub(crate) struct Blocks {
 pub(crate) fn are_whole(window: &Window, [width, height]: [u32; 2]) -> bool {
     let good = |first: u32, count: u32, all: u32| {
         let end = first.saturating_add(count);
-        first % EDGE == 0 && (end % EDGE == 0 || end == all)
+        first.is_multiple_of(EDGE) && (end.is_multiple_of(EDGE) || end == all)
     };
     good(window.x, window.width, width) && good(window.y, window.height, height)
 }
