@@ -12,8 +12,8 @@ mkdir -p "$work"
 package=$("$work/venv/bin/python" -c 'import importlib.util as u; print(*u.find_spec("pyoidn").submodule_search_locations)')
 chmod +x "$package/oidn/bin/oidnDenoise"
 PATH="$package/oidn/bin:$PATH"
-cargo build --quiet --release
-rondure=target/release/rondure
+cargo build --quiet
+rondure=target/debug/rondure
 "$rondure" render "$scene" --size "$size" --spp 512 --seed 1 -o "$work/reference.exr"
 "$rondure" render "$scene" --size "$size" --spp 32 -o "$work/noisy.exr"
 "$rondure" denoise "$work/noisy.exr" -o "$work/own.exr"
