@@ -92,7 +92,7 @@ pub fn write(
 /// its name only when it is whole, and no more than a row is in memory.
 ///
 /// # Errors
-/// As for [`write`]; the errors of `row` are passed on.
+/// As for [`write()`]; the errors of `row` are passed on.
 pub fn write_light<E: From<WriteError>>(
     path: impl AsRef<Path>,
     [width, height]: [u32; 2],
@@ -216,7 +216,7 @@ fn header<W: Write>(
 /// `frames` gives the signals of one frame after the other, so that no more than one is in memory.
 ///
 /// # Errors
-/// As for [`write`]; the errors of `frames` are passed on.
+/// As for [`write()`]; the errors of `frames` are passed on.
 pub fn write_animation<E: From<WriteError>>(
     path: impl AsRef<Path>,
     [width, height]: [u32; 2],

@@ -14,7 +14,7 @@
 
 use rondure_film::{Film, Spool, SpoolError, Window};
 
-/// The edge of a block, in pixels.
+/// The edge of the blocks of pixels that a limit of noise goes by.
 pub const EDGE: u32 = 8;
 /// How many samples each pixel gets before the variance is believed.
 const FIRST: u32 = 16;
