@@ -15,7 +15,7 @@ for name, values in channels.items():
     assert values.dtype == np.float32 and values.shape == (48, 64), (name, values.dtype, values.shape)
 
 comments = header["comments"]
-for line in ["scene = bench/openexr/scene.toml", "spp = 8", "seed = 0", "filter = blackman-harris 1.5"]:
+for line in ["scene = scene.toml", "spp = 8", "seed = 0", "filter = blackman-harris 1.5"]:
     assert line in comments.splitlines(), comments
 assert header["software"].startswith("Rondure "), header["software"]
 

@@ -6,10 +6,10 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use rondure_film::{Portion, Recipe, Share, ShareError, ShareRef};
+use rondure_film::{Portion, Recipe, Room, Share, ShareError, ShareRef};
 use rondure_render::Job;
 
-use crate::{failure::Failure, output};
+use crate::{failure::Failure, output, room::cannot_keep};
 
 /// The option that names it.
 const OPTION: &str = "--checkpoint";
@@ -62,21 +62,23 @@ impl Checkpoint {
         job: &Job<'_>,
         recipe: &Recipe,
         portion: &Portion,
+        room: &Room,
     ) -> Result<Option<Share>, Failure> {
-        let share = match Share::read(&self.path) {
+        let share = match Share::read(&self.path, room) {
             Err(ShareError::Io { source, .. }) if source.kind() == io::ErrorKind::NotFound => {
                 return Ok(None);
             }
+            Err(ShareError::Sums { source, .. }) => return Err(cannot_keep(source)),
             read => read.map_err(|error| self.refused(&error.to_string()))?,
         };
         let difference = recipe.difference(&share.recipe).or_else(|| {
-            let ([a, b], [c, d]) = (share.film.size(), job.size());
-            let window = share.film.window();
+            let ([a, b], [c, d]) = (share.sums.size(), job.size());
+            let window = share.sums.window();
             if [a, b] != [c, d] {
                 Some(format!("its picture has {a}x{b} pixels, not {c}x{d}"))
             } else if window != portion.window {
                 Some(format!("it is of another part of the picture, {window}"))
-            } else if share.film.layers() != job.layers() {
+            } else if share.sums.layers() != job.layers() {
                 Some("it has other layers; -o asked for another kind of file".to_owned())
             } else {
                 None

@@ -7,10 +7,11 @@ use std::{
 
 use clap::Args;
 use rondure_image::{
+    Signals,
     color_map::magma,
     error::{Comparison, compare},
     flip::PIXELS_PER_DEGREE,
-    png::{self, Signals},
+    png,
 };
 
 use rondure_scene::Film;

@@ -2,17 +2,18 @@
 
 use std::{ffi::OsString, path::PathBuf, time::Instant};
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use rondure_film::{ExrError, ExrPicture};
 use rondure_image::{
+    Depth,
     denoise::{Layers, denoise},
-    png::{self, Signals},
-    tone,
+    png,
 };
 
 use crate::{
     failure::Failure,
     look::{LookArgs, film_of},
+    oidn::{self, Noisy},
     output::{Kind, Output, Shown},
     picture::{self, cannot_write},
     progress::seconds,
@@ -28,7 +29,8 @@ as the scene had it, or as --view, --exposure and --white-balance say.
 
 Examples:
   rondure denoise still-life.exr                   make still-life-denoised.exr, here
-  rondure denoise still-life.exr -o clean.png --exposure 0.5")]
+  rondure denoise still-life.exr -o clean.png --exposure 0.5
+  rondure denoise still-life.exr --method oidn     by Intel's Open Image Denoise")]
 pub(crate) struct Denoise {
     /// The picture
     #[arg(value_name = "FILE.exr")]
@@ -37,6 +39,10 @@ pub(crate) struct Denoise {
     /// Where to write the clean picture, a PNG or OpenEXR file
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+
+    /// How to take the noise out
+    #[arg(long, value_enum, default_value = "regression")]
+    method: Method,
 
     /// Bits in each channel of a PNG file
     #[arg(long, value_name = "N", default_value = "8", value_parser = bits)]
@@ -53,6 +59,14 @@ pub(crate) struct Denoise {
     quiet: bool,
 }
 
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Method {
+    /// Light as a linear function of albedo, normal and place, fitted to pixels that look alike
+    Regression,
+    /// Intel's Open Image Denoise, a neural network, if its program oidnDenoise is installed; needs no variance
+    Oidn,
+}
+
 fn bits(text: &str) -> Result<u8, &'static str> {
     text.parse().ok().filter(|bits| matches!(bits, 8 | 16)).ok_or("a PNG file has 8 or 16 bits")
 }
@@ -60,45 +74,56 @@ fn bits(text: &str) -> Result<u8, &'static str> {
 impl Denoise {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let output = self.output()?;
+        if self.method == Method::Oidn {
+            oidn::check()?;
+        }
         let mut picture = picture::read_exr(&self.picture)?;
         let shown = self.shown(&picture)?;
         let [width, height] = picture.size;
         output.check(u64::from(width) * u64::from(height))?;
-        let layer = |names| picture::triples(&self.picture, &picture, names);
-        let light = layer(["R", "G", "B"])?;
-        let variance = layer(["variance.R", "variance.G", "variance.B"])?;
-        let albedo = layer(["albedo.R", "albedo.G", "albedo.B"])?;
-        let normal = layer(["normal.X", "normal.Y", "normal.Z"])?;
-        let layers = Layers {
-            width,
-            height,
-            light: &light,
-            variance: &variance,
-            albedo: &albedo,
-            normal: &normal,
-        };
         let start = Instant::now();
-        let clean =
-            self.threads.pool()?.install(|| denoise(&layers)).map_err(|error| {
-                Failure::new(error, "render it with 2 samples in a pixel or more")
-            })?;
+        let clean = self.clean(&picture, &output)?;
         let time = start.elapsed().as_secs_f64();
         if output.kind == Kind::Exr {
-            replace(&mut picture, &clean);
+            self.replace(&mut picture, &clean);
             picture.write(&output.path).map_err(|error| match error {
                 ExrError::Io { source, .. } => Failure::unwritable(&output.path, &source),
                 other => Failure::new(other, "choose another place"),
             })?;
         } else {
-            let signals = signals(&clean, width as usize, &shown);
-            png::write(&output.path, [width, height], &signals, &texts(&picture))
+            let depth = Depth::of_bits(shown.bits).unwrap_or_default();
+            let signals = shown.look.signals(&clean, width, 0, depth);
+            png::write(&output.path, [width, height], &signals, &self.texts(&picture))
                 .map_err(|error| cannot_write(&output.path, error))?;
         }
         if !self.quiet {
             let name = output.path.display();
-            anstream::eprintln!("{name}: {width}x{height}, denoised in {}", seconds(time));
+            let by = match self.method {
+                Method::Regression => "",
+                Method::Oidn => " by Open Image Denoise",
+            };
+            anstream::eprintln!("{name}: {width}x{height}, denoised{by} in {}", seconds(time));
         }
         Ok(())
+    }
+
+    /// The light without noise.
+    fn clean(&self, picture: &ExrPicture, output: &Output) -> Result<Vec<[f32; 3]>, Failure> {
+        let layer = |names| picture::triples(&self.picture, picture, names);
+        let [width, height] = picture.size;
+        let light = &layer(["R", "G", "B"])?;
+        let albedo = &layer(["albedo.R", "albedo.G", "albedo.B"])?;
+        let normal = &layer(["normal.X", "normal.Y", "normal.Z"])?;
+        if self.method == Method::Oidn {
+            let noisy = Noisy { size: picture.size, light, albedo, normal };
+            return oidn::denoise(&noisy, &output.path, self.threads.number());
+        }
+        let variance = &layer(["variance.R", "variance.G", "variance.B"])?;
+        let layers = Layers { width, height, light, variance, albedo, normal };
+        self.threads
+            .pool()?
+            .install(|| denoise(&layers))
+            .map_err(|error| Failure::new(error, "render it with 2 samples in a pixel or more"))
     }
 
     fn output(&self) -> Result<Output, Failure> {
@@ -134,34 +159,31 @@ impl Denoise {
         self.look.apply(&mut film);
         Shown::of(&film)
     }
-}
 
-fn replace(picture: &mut ExrPicture, clean: &[[f32; 3]]) {
-    for (c, name) in ["R", "G", "B"].into_iter().enumerate() {
-        for (_, values) in picture.channels.iter_mut().filter(|(n, _)| n == name) {
-            for (value, pixel) in values.iter_mut().zip(clean) {
-                *value = pixel[c];
-            }
+    /// What the picture says of having been denoised.
+    fn mark(&self) -> &'static str {
+        match self.method {
+            Method::Regression => "true",
+            Method::Oidn => "oidn",
         }
     }
-    picture.comments += "denoised = true\n";
-}
 
-fn texts(picture: &ExrPicture) -> Vec<(String, String)> {
-    let lines = picture.comments.lines().filter_map(|line| line.split_once(" = "));
-    let text = |(key, value): (&str, &str)| (format!("rondure:{key}"), value.to_owned());
-    let good = |(key, _): &(&str, &str)| key.len() < 70 && key.is_ascii();
-    lines.filter(good).map(text).chain([("rondure:denoised".into(), "true".into())]).collect()
-}
+    fn replace(&self, picture: &mut ExrPicture, clean: &[[f32; 3]]) {
+        for (c, name) in ["R", "G", "B"].into_iter().enumerate() {
+            for (_, values) in picture.channels.iter_mut().filter(|(n, _)| n == name) {
+                for (value, pixel) in values.iter_mut().zip(clean) {
+                    *value = pixel[c];
+                }
+            }
+        }
+        picture.comments += &format!("denoised = {}\n", self.mark());
+    }
 
-fn signals(pixels: &[[f32; 3]], width: usize, shown: &Shown) -> Signals {
-    let max = if shown.bits == 16 { 65535.0 } else { 255.0 };
-    let all = pixels.iter().enumerate().flat_map(|(i, pixel)| {
-        let threshold = tone::threshold((i % width) as u32, (i / width) as u32);
-        shown.look.show(*pixel).map(|v| tone::quantize(v, max, threshold))
-    });
-    match shown.bits {
-        16 => Signals::Sixteen(all.map(|v| v as u16).collect()),
-        _ => Signals::Eight(all.map(|v| v as u8).collect()),
+    fn texts(&self, picture: &ExrPicture) -> Vec<(String, String)> {
+        let lines = picture.comments.lines().filter_map(|line| line.split_once(" = "));
+        let text = |(key, value): (&str, &str)| (format!("rondure:{key}"), value.to_owned());
+        let good = |(key, _): &(&str, &str)| key.len() < 70 && key.is_ascii();
+        let mark = ("rondure:denoised".to_owned(), self.mark().to_owned());
+        lines.filter(good).map(text).chain([mark]).collect()
     }
 }

@@ -9,6 +9,7 @@ use crate::{
     failure::Failure,
     look::{LookArgs, film_of},
     output::{Kind, Output, Shown},
+    room::{RoomArgs, cannot_keep},
 };
 
 /// Put parts of a picture together
@@ -33,6 +34,9 @@ pub(crate) struct Merge {
     #[command(flatten)]
     look: LookArgs,
 
+    #[command(flatten)]
+    room: RoomArgs,
+
     /// Bits in each channel of a PNG file
     #[arg(long, value_name = "N", default_value = "8", value_parser = bits)]
     bits: u8,
@@ -45,11 +49,12 @@ fn bits(text: &str) -> Result<u8, &'static str> {
 impl Merge {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let output = Output::new(self.output.clone(), "-o")?;
-        let mut sum = Sum::default();
+        let room = self.room.of(&output.path);
+        let mut sum = Sum::new(room.clone());
         for (i, path) in self.parts.iter().enumerate() {
-            let share = Share::read(path).map_err(unreadable)?;
+            let share = Share::read(path, &room).map_err(unreadable)?;
             if i == 0 {
-                let [width, height] = share.film.size();
+                let [width, height] = share.sums.size();
                 output.check(u64::from(width) * u64::from(height))?;
             }
             sum.add(&path.display().to_string(), &share).map_err(unfit)?;
@@ -75,6 +80,7 @@ fn unreadable(error: ShareError) -> Failure {
         ShareError::Version { .. } => {
             Failure::new(error, "merge it with the version of Rondure that made it")
         }
+        ShareError::Sums { source, .. } => cannot_keep(source),
         ShareError::NotAShare(_) => {
             Failure::new(error, "give files that `rondure render --part` has written")
         }
@@ -84,6 +90,7 @@ fn unreadable(error: ShareError) -> Failure {
 
 fn unfit(error: MergeError) -> Failure {
     let help = match error {
+        MergeError::Sums { source, .. } => return cannot_keep(source),
         MergeError::Foreign { .. } => "merge parts of one picture only",
         MergeError::Doubled { .. } => "leave one of them out",
         MergeError::Missing { .. } => "add what is missing, or merge into an .rdf file for now",

@@ -9,10 +9,10 @@ use std::{
 
 use rondure_film::{ExrError, Layers, ShareError, ShareRef, write_exr};
 use rondure_image::{Look, png};
-use rondure_render::{Picture, WriteError, look};
+use rondure_render::{WriteError, look, write_png};
 use rondure_scene::Film;
 
-use crate::failure::Failure;
+use crate::{failure::Failure, room::cannot_keep};
 
 /// A file that a picture or a part of one goes to.
 #[derive(Clone, Debug)]
@@ -93,19 +93,20 @@ impl Output {
     pub(crate) fn write(&self, share: &ShareRef<'_>, shown: &Shown) -> Result<(), Failure> {
         match self.kind {
             Kind::Png => {
-                let mut picture = Picture::new(share.film, shown.look.clone(), *share.statistics);
-                picture.describe(
-                    share.recipe.texts().map(|(name, value)| (format!("rondure:{name}"), value)),
-                );
-                picture.write_png(&self.path, shown.bits).map_err(|e| match e {
+                let text = |(name, value)| (format!("rondure:{name}"), value);
+                let texts: Vec<_> = share.recipe.texts().map(text).collect();
+                let Shown { look, bits } = shown;
+                write_png(&self.path, share.sums, look, *bits, &texts).map_err(|e| match e {
                     WriteError::File(png::WriteError::Io { source, .. }) => {
                         self.unwritable(&source)
                     }
+                    WriteError::Sums(source) => cannot_keep(source),
                     other => Failure::new(other, "choose another size or place"),
                 })
             }
-            Kind::Exr => write_exr(&self.path, share.film, share.recipe).map_err(|e| match e {
+            Kind::Exr => write_exr(&self.path, share.sums, share.recipe).map_err(|e| match e {
                 ExrError::Io { source, .. } => self.unwritable(&source),
+                ExrError::Sums { source, .. } => cannot_keep(source),
                 other => Failure::new(other, "choose another size or place"),
             }),
             Kind::Share => share.write(&self.path).map_err(|e| unwritten(self.option, e)),
@@ -117,6 +118,7 @@ impl Output {
 pub(crate) fn unwritten(option: &str, error: ShareError) -> Failure {
     match error {
         ShareError::Io { path, source } => Failure::unwritable_by(option, &path, &source),
+        ShareError::Sums { source, .. } => cannot_keep(source),
         other => Failure::new(other, "choose another place"),
     }
 }
@@ -141,7 +143,27 @@ pub(crate) fn check_place(option: &str, path: &Path, bytes: u64) -> Result<(), F
     probe().map_err(unwritable)
 }
 
-fn folder_of(path: &Path) -> &Path {
+/// Makes sure that files of two kinds, of which the second is named by an option, are not one.
+pub(crate) fn check_apart(
+    (kind, path): (&str, &Path),
+    (other_kind, other, option): (&str, &Path, &str),
+) -> Result<(), Failure> {
+    let place = |path: &Path| {
+        let folder = folder_of(path);
+        (
+            fs::canonicalize(folder).unwrap_or_else(|_| folder.to_owned()),
+            path.file_name().map(OsStr::to_owned),
+        )
+    };
+    if place(path) != place(other) {
+        return Ok(());
+    }
+    let title = format!("`{}` cannot be both {kind} and {other_kind}", path.display());
+    Err(Failure::new(title, &format!("give another name with {option}")))
+}
+
+/// The folder that a file lies in.
+pub(crate) fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),

@@ -4,6 +4,7 @@ use core::{ops::Range, str::FromStr};
 
 use clap::Args;
 use rondure_film::{Portion, Share, Window};
+use rondure_render::NOISE_BLOCK;
 
 use crate::failure::Failure;
 
@@ -87,12 +88,16 @@ impl PartArgs {
         self.part.map(|part| (part.number, part.of))
     }
 
-    /// What is to be made of the whole.
-    pub(crate) fn of(&self, whole: &Portion) -> Result<Portion, Failure> {
+    /// What is to be made of the whole; with a limit of noise, parts are of whole blocks.
+    pub(crate) fn of(&self, whole: &Portion, limited: bool) -> Result<Portion, Failure> {
         let Window { width, height, .. } = whole.window;
         if let Some(Part { number, of }) = self.part {
-            return Share::portion(whole, number, of).ok_or_else(|| {
-                let title = format!("a picture of {height} rows cannot be made in {of} parts");
+            let grain = if limited { NOISE_BLOCK } else { 1 };
+            return Share::portion(whole, number, of, grain).ok_or_else(|| {
+                let mut title = format!("a picture of {height} rows cannot be made in {of} parts");
+                if limited {
+                    title += &format!(" with a limit of noise, each of {grain} rows or more");
+                }
                 Failure::new(
                     title,
                     "ask for fewer parts, or divide it by --tile and --sample-range",

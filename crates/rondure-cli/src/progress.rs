@@ -20,6 +20,8 @@ pub(crate) struct Watcher<'a> {
     /// The share that was done before.
     before: f64,
     noise: Mutex<Noise>,
+    /// Whether the bar speaks of photons.
+    prepares: AtomicBool,
     cancelled: &'a AtomicBool,
 }
 
@@ -35,11 +37,19 @@ struct Lines {
 }
 
 impl Lines {
+    /// Whether it is time for another.
+    fn are_due(&mut self) -> bool {
+        let due = self.latest.elapsed() >= BETWEEN_LINES;
+        if due {
+            self.latest = Instant::now();
+        }
+        due
+    }
+
     fn advance(&mut self, before: f64, done: f64, noise: Option<f64>) {
-        if self.latest.elapsed() < BETWEEN_LINES {
+        if !self.are_due() {
             return;
         }
-        self.latest = Instant::now();
         let left = self.start.elapsed().as_secs_f64() * (1.0 - done) / (done - before);
         let noise = noise.map(|noise| format!(", {}", noise_text(noise))).unwrap_or_default();
         // Whoever does not want to read it need not.
@@ -82,7 +92,8 @@ impl<'a> Watcher<'a> {
             Display::Lines(Mutex::new(Lines { start, latest: start }))
         };
         let reached = AtomicU64::new(0);
-        Self { display, reached, before: 0.0, noise: Mutex::default(), cancelled }
+        let (noise, prepares) = (Mutex::default(), AtomicBool::new(false));
+        Self { display, reached, before: 0.0, noise, prepares, cancelled }
     }
 
     /// The same, for work of which a share has been done before.
@@ -124,6 +135,24 @@ impl Progress for Watcher<'_> {
         }
     }
 
+    fn preparing(&self, done: f64) {
+        let text = || format!("photons {:.0} %", (100.0 * done).floor());
+        match &self.display {
+            Display::Bar(bar) => {
+                self.prepares.store(true, Ordering::Relaxed);
+                bar.set_message(text() + "  ");
+            }
+            Display::Lines(lines) => {
+                if let Ok(mut lines) = lines.try_lock()
+                    && lines.are_due()
+                {
+                    drop(writeln!(stderr(), "{}", text()));
+                }
+            }
+            Display::None => {}
+        }
+    }
+
     fn is_cancelled(&self) -> bool {
         self.cancelled.load(Ordering::Relaxed)
     }
@@ -133,13 +162,16 @@ impl Progress for Watcher<'_> {
             return;
         }
         let Ok(mut noise) = self.noise.try_lock() else { return };
-        if noise.looked.is_some_and(|looked| looked.elapsed() < BETWEEN_LOOKS) {
-            return;
+        let known = noise.looked.is_some_and(|looked| looked.elapsed() < BETWEEN_LOOKS);
+        if !known {
+            noise.looked = Some(Instant::now());
+            noise.level = so_far.sums.noise().ok().flatten();
         }
-        noise.looked = Some(Instant::now());
-        noise.level = so_far.film.noise();
-        if let (Display::Bar(bar), Some(level)) = (&self.display, noise.level) {
-            bar.set_message(noise_text(level) + "  ");
+        let prepared = self.prepares.swap(false, Ordering::Relaxed);
+        if let Display::Bar(bar) = &self.display
+            && (prepared || !known)
+        {
+            bar.set_message(noise.level.map_or_else(String::new, |n| noise_text(n) + "  "));
         }
     }
 }

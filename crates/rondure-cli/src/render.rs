@@ -1,30 +1,26 @@
 //! `rondure render`: from a scene to a picture.
 
 use std::{
-    ffi::OsString,
     path::PathBuf,
-    str::FromStr,
     sync::atomic::Ordering,
     time::{Duration, Instant},
 };
 
 use clap::Args;
-use rondure::EngineOptions;
-use rondure_film::{Portion, Recipe, ShareRef, Statistics};
-use rondure_render::{Job, Outcome, RenderError, Settings, Work};
-use rondure_scene::{Integrator, Scene, scene_digest};
+use rondure_film::{Portion, Recipe, Room, ShareRef, Statistics};
+use rondure_render::{Job, Outcome, RenderError, Work};
+use rondure_scene::{Scene, scene_digest};
 
 use crate::{
     checkpoint::Checkpoint,
-    engine::EngineArgs,
     failure::Failure,
     interrupt,
-    look::{LookArgs, settings_of},
+    look::settings_of,
     output::{self, Kind, Output, Shown},
     part::PartArgs,
     progress::{Watcher, seconds},
-    scene,
-    threads::Threads,
+    room::{RoomArgs, cannot_keep},
+    scene::SceneArgs,
     watch::{self, Watch},
 };
 
@@ -42,30 +38,17 @@ The picture is the same, bit for bit, for any number of threads, in however many
 however often it was stopped. It appears under its name only when it is whole; Ctrl-C writes what
 there is.")]
 pub(crate) struct Render {
-    /// The scene file
-    #[arg(value_name = "SCENE.toml")]
-    scene: PathBuf,
-
     /// Where to write the picture, a PNG or OpenEXR file, or the part of one, an .rdf file; the scene's name with .png in the
     /// current folder if not given
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 
-    /// The picture's size in pixels, instead of the scene's
-    #[arg(long, value_name = "WxH")]
-    size: Option<Size>,
-
-    /// How many samples to take in each pixel, instead of the scene's number
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
-    spp: Option<u32>,
-
-    /// How to follow light, instead of as the scene says: on all its ways, or for a quick look
-    #[arg(long, value_name = "path|whitted", value_parser = integrator)]
-    integrator: Option<Integrator>,
-
     /// Take no more samples where the relative noise is below this, like 0.01; --spp is the most then
     #[arg(long, value_name = "X", value_parser = noise)]
     noise: Option<f64>,
+
+    #[command(flatten)]
+    scene: SceneArgs,
 
     #[command(flatten)]
     long: LongArgs,
@@ -74,21 +57,7 @@ pub(crate) struct Render {
     part: PartArgs,
 
     #[command(flatten)]
-    look: LookArgs,
-
-    #[command(flatten)]
-    threads: Threads,
-
-    #[command(flatten)]
-    engine: EngineArgs,
-
-    /// Chooses other random numbers: another noise in the picture
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    seed: u64,
-
-    /// Say nothing unless something is wrong
-    #[arg(short, long)]
-    quiet: bool,
+    room: RoomArgs,
 }
 
 /// The least relative noise that can be asked for: it takes some 1e12 samples a pixel to come there, more than
@@ -125,52 +94,33 @@ struct LongArgs {
 
 const LONG: &str = "Long work";
 
-fn integrator(name: &str) -> Result<Integrator, &'static str> {
-    match name {
-        "path" => Ok(Integrator::Path),
-        "whitted" => Ok(Integrator::Whitted),
-        _ => Err("there are `path` and `whitted`"),
-    }
-}
-
-/// Pixels across and down.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Size {
-    pub(crate) width: u32,
-    pub(crate) height: u32,
-}
-
-impl FromStr for Size {
-    type Err = &'static str;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        const LARGEST: u32 = 65_535;
-        let side = |text: &str| text.parse().ok().filter(|side| (1..=LARGEST).contains(side));
-        text.split_once(['x', 'X', '×'])
-            .and_then(|(w, h)| Some(Self { width: side(w)?, height: side(h)? }))
-            .ok_or("a size is WIDTHxHEIGHT, like 800x600, with sides from 1 to 65535")
-    }
-}
-
 impl Render {
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        let scene = self.scene()?;
+        let scene = self.scene.read()?;
         let output = self.output()?;
         let recipe = self.recipe(&scene)?;
         let shown = Shown::of(&scene.film)?;
-        let settings = Settings { threads: self.threads.number(), seed: self.seed };
+        let settings = self.scene.settings();
         let job = Job::new(&scene, &settings, output.layers()).map_err(cannot_render)?;
-        let portion = self.part.of(&job.whole())?;
+        let portion = self.part.of(&job.whole(), self.noise.is_some())?;
         let pixels = portion.window.pixels();
         output.check(pixels)?;
         let preview = self.long.preview.clone().map(watch::preview).transpose()?;
         if let Some(preview) = &preview {
             preview.check(pixels)?;
         }
+        if let Some(checkpoint) = &self.long.checkpoint {
+            let checkpoint = ("the checkpoint", checkpoint.as_path(), "--checkpoint");
+            output::check_apart(("the picture", &output.path), checkpoint)?;
+            if let Some(preview) = &preview {
+                output::check_apart(("the preview", &preview.path), checkpoint)?;
+            }
+        }
         let checkpoint = self.long.checkpoint.as_deref().map(Checkpoint::new).transpose()?;
+        let room = self.room.of(&output.path);
         let mut work = match &checkpoint {
-            Some(checkpoint) => self.begin(&job, &recipe, &portion, checkpoint)?,
-            None => Work::new(&job, portion.clone()).map_err(cannot_render)?,
+            Some(checkpoint) => self.begin(&job, &recipe, &portion, checkpoint, &room)?,
+            None => Work::new(&job, portion.clone(), &room).map_err(cannot_render)?,
         };
         if let Some(noise) = self.noise {
             work = work.until(&job, noise).map_err(cannot_render)?;
@@ -179,7 +129,7 @@ impl Render {
         let cancelled = interrupt::flag();
         let before = work.snapshot().done();
         let (rays, start) = (*work.statistics(), Instant::now());
-        let watcher = Watcher::new(self.quiet, &cancelled).after(before);
+        let watcher = Watcher::new(self.scene.quiet, &cancelled).after(before);
         let mut watch = Watch::new(&watcher, &recipe, self.part.number(), &shown, self.long.every);
         watch.checkpoint = checkpoint.as_ref();
         watch.preview = preview.as_ref();
@@ -203,7 +153,7 @@ impl Render {
             if let Some(checkpoint) = &checkpoint {
                 checkpoint.remove();
             }
-            self.tell(|| {
+            self.scene.tell(|| {
                 format!(
                     "{}: {}",
                     output.path.display(),
@@ -235,43 +185,26 @@ impl Render {
         if cancelled.load(Ordering::Relaxed) {
             return Err(Failure::InterruptedAfter(text));
         }
-        self.tell(|| text);
+        self.scene.tell(|| text);
         Ok(())
-    }
-
-    /// The scene, with what the options say in place of what it says.
-    fn scene(&self) -> Result<Scene, Failure> {
-        let mut scene = scene::read(&self.scene)?;
-        if let Some(Size { width, height }) = self.size {
-            (scene.film.width, scene.film.height) = (width, height);
-        }
-        if let Some(spp) = self.spp {
-            scene.film.spp = spp;
-        }
-        scene.film.integrator = self.integrator.unwrap_or(scene.film.integrator);
-        self.look.apply(&mut scene.film);
-        let engine = self.engine.options();
-        if engine != EngineOptions::default() {
-            scene.set_engine(&engine);
-        }
-        Ok(scene)
     }
 
     /// Everything that decides a bit of the sums.
     fn recipe(&self, scene: &Scene) -> Result<Recipe, Failure> {
-        let path = self.scene.display().to_string();
-        let digest = scene_digest(&self.scene).map_err(|e| Failure::unreadable(&path, &e))?;
+        let file = &self.scene.path;
+        let path = file.display().to_string();
+        let digest = scene_digest(file).map_err(|e| Failure::unreadable(&path, &e))?;
         // Without its folder, which is nobody's business whom the picture is given to.
-        let name = self.scene.file_name().map_or(path, |name| name.to_string_lossy().into_owned());
+        let name = file.file_name().map_or(path, |name| name.to_string_lossy().into_owned());
         let film = &scene.film;
         let settings = [
             ("version", env!("CARGO_PKG_VERSION").to_owned()),
-            ("seed", self.seed.to_string()),
+            ("seed", self.scene.seed.to_string()),
             ("depth", film.depth.to_string()),
             ("filter", film.filter.to_string()),
             ("integrator", format!("{:?}", film.integrator)),
             ("noise", self.noise.map_or("any".to_owned(), |noise| noise.to_string())),
-            ("engine", self.engine.describe()),
+            ("engine", self.scene.engine.describe()),
         ];
         let shown = settings_of(film).map(|(key, value)| (key.to_owned(), value));
         let settings = settings.map(|(key, value)| (key.to_owned(), value));
@@ -286,8 +219,9 @@ impl Render {
         recipe: &Recipe,
         portion: &Portion,
         checkpoint: &Checkpoint,
+        room: &Room,
     ) -> Result<Work, Failure> {
-        let new = || Work::new(job, portion.clone()).map_err(cannot_render);
+        let new = || Work::new(job, portion.clone(), room).map_err(cannot_render);
         if !self.long.resume {
             if checkpoint.path().exists() {
                 let path = checkpoint.path().display();
@@ -296,7 +230,7 @@ impl Render {
             }
             return new();
         }
-        let Some(share) = checkpoint.read(job, recipe, portion)? else { return new() };
+        let Some(share) = checkpoint.read(job, recipe, portion, room)? else { return new() };
         Work::resume(job, portion.clone(), share).map_err(|e| checkpoint.refused(&e.to_string()))
     }
 
@@ -326,21 +260,14 @@ impl Render {
     }
 
     fn output(&self) -> Result<Output, Failure> {
-        let path = match (&self.output, self.scene.file_stem()) {
-            (Some(path), _) => path.clone(),
-            (None, Some(stem)) => {
-                let mut name = OsString::from(stem);
-                match self.part.number() {
-                    Some((number, of)) => name.push(format!(".part-{number}-of-{of}.rdf")),
-                    None if self.part.is_some() => name.push(".part.rdf"),
-                    None => name.push(".png"),
-                }
-                PathBuf::from(name)
-            }
-            (None, None) => {
-                return Err(Failure::new("the picture has no name", "give it one with -o OUT.png"));
-            }
+        let end = match self.part.number() {
+            Some((number, of)) => format!(".part-{number}-of-{of}.rdf"),
+            None if self.part.is_some() => ".part.rdf".to_owned(),
+            None => ".png".to_owned(),
         };
+        let path = self.scene.name(self.output.as_ref(), end.as_ref()).ok_or_else(|| {
+            Failure::new("the picture has no name", "give it one with -o OUT.png")
+        })?;
         let output = Output::new(path, "-o")?;
         if self.part.is_some() && output.kind != Kind::Share {
             let title = format!("cannot write a part of a picture to `{}`", output.path.display());
@@ -350,12 +277,6 @@ impl Render {
             ));
         }
         Ok(output)
-    }
-
-    fn tell(&self, text: impl FnOnce() -> String) {
-        if !self.quiet {
-            anstream::eprintln!("{}", text());
-        }
     }
 
     fn tell_invalid(&self, statistics: &Statistics) {
@@ -371,6 +292,7 @@ impl Render {
 pub(crate) fn cannot_render(error: RenderError) -> Failure {
     let help = match error {
         RenderError::Cancelled => return Failure::Interrupted,
+        RenderError::Sums(error) => return cannot_keep(error),
         RenderError::TooLarge { .. } | RenderError::Film(_) => "choose a smaller --size",
         RenderError::NoisePart => "leave away --noise, or what makes it a part",
         RenderError::Threads(_) => "ask for fewer with --threads",
@@ -384,7 +306,7 @@ fn summary(share: &ShareRef<'_>, before: &Statistics, time: f64, adaptive: bool)
     let rays = |s: &Statistics| s.camera_rays + s.secondary_rays + s.shadow_rays;
     let samples = share.statistics.camera_rays - before.camera_rays;
     let rays = rays(share.statistics) - rays(before);
-    let window = share.film.window();
+    let window = share.sums.window();
     let mean = share.statistics.camera_rays as f64 / window.pixels() as f64;
     let spp = if adaptive {
         format!("{mean:.1} of {}", share.recipe.spp)
@@ -407,18 +329,5 @@ fn rate(number: u64, time: f64) -> String {
         r if r >= 1e6 => format!("{:.1} M ", r / 1e6),
         r if r >= 1e3 => format!("{:.1} k ", r / 1e3),
         r => format!("{r:.1} "),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sizes() {
-        assert_eq!("800x600".parse(), Ok(Size { width: 800, height: 600 }));
-        for bad in ["", "800", "800x", "x600", "0x600", "800x-1", "800x600x3", "65536x1", "8 x 6"] {
-            assert!(bad.parse::<Size>().is_err(), "{bad}");
-        }
     }
 }

@@ -98,7 +98,7 @@ impl<'a> Watch<'a> {
             recipe: self.recipe,
             part: self.part,
             covered,
-            film: so_far.film,
+            sums: so_far.sums,
             statistics: so_far.statistics,
         }
     }
@@ -107,6 +107,10 @@ impl<'a> Watch<'a> {
 impl Progress for Watch<'_> {
     fn advance(&self, done: f64) {
         self.watcher.advance(done);
+    }
+
+    fn preparing(&self, done: f64) {
+        self.watcher.preparing(done);
     }
 
     fn is_cancelled(&self) -> bool {

@@ -123,8 +123,67 @@ fn a_limit_of_noise_saves_samples() {
     assert!((16.0..60.0).contains(&mean), "{mean}");
     assert_eq!(desk.run("render scene.toml -o b.exr --spp 64 --noise 0.05 --threads 1").code, 0);
     assert_eq!(desk.run("compare a.exr b.exr --exact").code, 0);
-    for (arguments, code) in [("--noise 0", 2), ("--noise 0.1 --part 1/2 -o a.rdf", 1)] {
+    for (arguments, code) in [("--noise 0", 2), ("--noise 0.1 --sample-range 0..2 -o a.rdf", 1)] {
         let outcome = desk.run(&format!("render scene.toml {arguments}"));
         assert_eq!(outcome.code, code, "{}", outcome.stderr);
     }
+}
+
+/// A program in the place of Intel's.
+#[cfg(unix)]
+fn stand_in(desk: &Desk, script: &str) {
+    use std::os::unix::fs::PermissionsExt;
+    desk.file("bin/oidnDenoise", format!("#!/bin/sh\n[ \"$1\" = --help ] && exit 0\n{script}\n"));
+    let path = desk.path("bin/oidnDenoise");
+    std::fs::set_permissions(path, std::fs::Permissions::from_mode(0o755)).unwrap();
+}
+
+#[cfg(unix)]
+#[test]
+fn open_image_denoise_gets_the_layers_and_gives_the_light() {
+    let desk = Desk::new();
+    desk.file("scene.toml", SCENE);
+    assert_eq!(desk.run("render scene.toml -q -o noisy.exr").code, 0);
+    let denoise = |options: &str| {
+        let mut command = desk.command(&format!("denoise noisy.exr --method oidn {options}"));
+        command.env("PATH", format!("{}:/usr/bin:/bin", desk.path("bin").display()));
+        let output = command.output().unwrap();
+        (output.status.code().unwrap(), String::from_utf8(output.stderr).unwrap())
+    };
+    let (code, said) = denoise("-o x.exr");
+    assert_eq!(code, 1);
+    assert!(said.contains("no program oidnDenoise is in the PATH") && said.contains("install it"));
+    // One that gives each of the layers back: --hdr 2, --alb 4, --nrm 6, -o 8.
+    let read = |name: &str| rondure_film::ExrPicture::read(desk.path(name)).unwrap();
+    let noisy = read("noisy.exr");
+    for (place, names) in [
+        (2, ["R", "G", "B"]),
+        (4, ["albedo.R", "albedo.G", "albedo.B"]),
+        (6, ["normal.X", "normal.Y", "normal.Z"]),
+    ] {
+        stand_in(&desk, &format!("echo $1 $3 $5 $7 $9 ${{10}} > said; cp \"${place}\" \"$8\""));
+        let (code, said) = denoise("-o clean.exr --threads 3");
+        assert_eq!(code, 0, "{said}");
+        assert!(said.contains("denoised by Open Image Denoise"), "{said}");
+        let arguments = std::fs::read_to_string(desk.path("said")).unwrap();
+        assert_eq!(arguments, "--hdr --alb --nrm -o --threads 3\n");
+        let clean = read("clean.exr");
+        for (channel, name) in ["R", "G", "B"].into_iter().zip(names) {
+            assert_eq!(clean.channel(channel), noisy.channel(name));
+        }
+        assert_eq!(clean.channel("Z"), noisy.channel("Z"));
+        assert_eq!(clean.setting("denoised"), Some("oidn"));
+    }
+    for (script, words) in [
+        ("echo Error: no >&2; exit 1", "gave no picture: Error: no"),
+        ("exit 0", "gave no picture"),
+        ("echo PF > \"$8\"", "its file is not whole"),
+        ("printf 'PF\\n1 1\\n-1.0\\n000000000000' > \"$8\"", "another size"),
+    ] {
+        stand_in(&desk, script);
+        let (code, said) = denoise("-o x.exr");
+        assert!(code == 1 && said.contains(words), "{script}: {said}");
+    }
+    let left: Vec<_> = std::fs::read_dir(desk.path(".")).unwrap().map(Result::unwrap).collect();
+    assert_eq!(left.len(), 5, "{left:?}");
 }

@@ -14,6 +14,7 @@ use std::{
 };
 
 use common::Desk;
+use rondure_film::{Room, Share};
 
 /// A drum under a lamp, with a soft shadow.
 const SCENE: &str = r#"
@@ -117,6 +118,41 @@ fn parts_in_any_order_make_the_picture() {
 }
 
 #[test]
+fn pictures_without_memory_are_the_same() {
+    let desk = desk();
+    for size in ["47x33", "16x16", "1x10000"] {
+        let drum = format!("render drum.toml -q --size {size} --spp 1");
+        let noisy = format!("render drum.toml -q --size {size} --spp 40 --noise 0.1");
+        for name in ["a.exr", "a.png", "a.rdf"] {
+            run(&desk, &format!("{drum} -o {name}"));
+            run(&desk, &format!("{drum} -o b-{name} --memory 0"));
+            same(&desk, name, &format!("b-{name}"));
+        }
+        run(&desk, "merge a.rdf -o c.png --memory 0");
+        same(&desk, "a.png", "c.png");
+        // From one place to the other.
+        run(&desk, &format!("{drum} -o c.exr --checkpoint c.rdf --time 0 --memory 0"));
+        run(&desk, &format!("{drum} -o c.exr --checkpoint c.rdf --resume"));
+        same(&desk, "a.exr", "c.exr");
+        run(&desk, &format!("{drum} -o c.exr --checkpoint c.rdf --time 0"));
+        run(&desk, &format!("{drum} -o c.exr --checkpoint c.rdf --resume --memory 0"));
+        same(&desk, "a.exr", "c.exr");
+        if size != "1x10000" {
+            run(&desk, &format!("{noisy} -o a.exr"));
+            run(&desk, &format!("{noisy} -o b.exr --memory 0 --preview p.png --scratch ."));
+            same(&desk, "a.exr", "b.exr");
+        }
+    }
+    let left = names(&desk);
+    assert!(left.iter().all(|name| !name.starts_with('.')), "{left:?}");
+    fails(
+        &desk,
+        "render drum.toml -q -o x.exr --memory 0 --scratch none",
+        &["cannot keep the sums of the picture in `none`", "--scratch"],
+    );
+}
+
+#[test]
 fn parts_that_do_not_fit_are_told_by_name() {
     let desk = desk();
     for k in 1..=3 {
@@ -166,6 +202,47 @@ fn parts_that_do_not_fit_are_told_by_name() {
 }
 
 #[test]
+fn parts_with_a_limit_of_noise_make_the_picture() {
+    let desk = desk();
+    let drum = "render drum.toml -q --size 40x54 --spp 40 --noise 0.1";
+    run(&desk, &format!("{drum} -o whole.exr --threads 1"));
+    for k in 1..=7 {
+        run(&desk, &format!("{drum} --part {k}/7 -o part-{k}.rdf --threads 2"));
+    }
+    for order in [[1, 2, 3, 4, 5, 6, 7], [7, 3, 1, 6, 4, 2, 5], [4, 6, 7, 1, 2, 5, 3]] {
+        let parts = order.map(|k| format!("part-{k}.rdf")).join(" ");
+        run(&desk, &format!("merge {parts} -o merged.exr"));
+        same(&desk, "whole.exr", "merged.exr");
+    }
+    run(&desk, &format!("{drum} --tile 0,0,24,54 -o left.rdf"));
+    run(&desk, &format!("{drum} --tile 24,0,16,54 -o right.rdf"));
+    run(&desk, "merge right.rdf left.rdf -o merged.exr");
+    same(&desk, "whole.exr", "merged.exr");
+    fails(&desk, &format!("{drum} --part 1/8 -o x.rdf"), &["54 rows", "8 parts", "8 rows"]);
+    let cut = ["whole blocks of 8x8 pixels", "leave away --noise"];
+    fails(&desk, &format!("{drum} --tile 0,0,23,54 -o x.rdf"), &cut);
+    fails(&desk, &format!("{drum} --sample-range 0..20 -o x.rdf"), &cut);
+}
+
+#[test]
+fn files_of_two_kinds_with_one_name_are_refused() {
+    let desk = desk();
+    desk.file("c.rdf", "old");
+    for (options, words) in [
+        ("-o c.rdf --checkpoint ./c.rdf", ["`c.rdf`", "the picture and the checkpoint"]),
+        ("-o x.png --checkpoint x.png", ["`x.png`", "the picture and the checkpoint"]),
+        (
+            "-o x.png --checkpoint c.png --preview c.png",
+            ["`c.png`", "the preview and the checkpoint"],
+        ),
+    ] {
+        fails(&desk, &format!("render drum.toml {options} --resume"), &words);
+    }
+    assert_eq!(names(&desk), ["c.rdf", "drum.path", "drum.toml"]);
+    assert_eq!(fs::read_to_string(desk.path("c.rdf")).unwrap(), "old");
+}
+
+#[test]
 fn options_for_parts_are_checked() {
     let desk = desk();
     fails(&desk, "render drum.toml --part 1/2 -o x.png", &["a part of a picture", ".rdf"]);
@@ -195,40 +272,63 @@ fn wait_for(path: &Path) {
     }
 }
 
+/// Kills work 20 times at random moments, each time while it runs, and lets it end then.
 #[cfg(unix)]
-#[test]
-fn killed_work_goes_on_to_the_same_picture() {
+fn kill_and_go_on(options: &str) {
+    use std::os::unix::process::ExitStatusExt;
     let desk = desk();
     desk.file("drum.toml", SCENE.to_owned() + GLASS);
-    let size = "--size 80x60 --spp 10";
     let start = Instant::now();
-    run(&desk, &format!("render drum.toml -q -o whole.exr {size}"));
+    run(&desk, &format!("render drum.toml -q -o whole.exr {options}"));
     let all = start.elapsed().as_millis() as u64;
-    let arguments =
-        format!("render drum.toml -q -o killed.exr {size} --checkpoint c.rdf --resume --every 0s");
-    let mut killed = 0;
+    let arguments = format!(
+        "render drum.toml -q -o killed.exr {options} --checkpoint c.rdf --resume --every 0s"
+    );
+    let (mut killed, mut gone_on, mut ended) = (0, 0, 0);
     let mut random = 12345_u64;
-    for round in 0..12_u64 {
+    while killed < 20 {
         random =
             random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        gone_on += u32::from(desk.path("c.rdf").exists());
         let mut child = desk.command(&arguments).spawn().unwrap();
-        // At first too early to be done, then at any time.
-        let longest = if round < 4 { all / 8 } else { all / 3 };
-        thread::sleep(Duration::from_millis((random >> 33) % (longest + 1)));
+        thread::sleep(Duration::from_millis((random >> 33) % (all / 3 + 1)));
         signal(&child, "-KILL");
         let status = child.wait().unwrap();
-        if status.success() {
-            break;
+        if status.signal() == Some(9) {
+            killed += 1;
+        } else {
+            // It came to its end before; the next one begins anew.
+            assert!(status.success());
+            same(&desk, "whole.exr", "killed.exr");
+            ended += 1;
         }
-        killed += 1;
+        assert!(ended < 100);
     }
-    assert!(killed > 3, "{killed}");
+    assert!(gone_on > 5, "{gone_on}");
     run(&desk, &arguments);
     same(&desk, "whole.exr", "killed.exr");
     // Nothing is left of checkpoints by those who were killed while they wrote; of other files there may be temporary ones.
     let left = names(&desk);
     let left: Vec<_> = left.iter().filter(|name| !name.starts_with(".rondure-")).collect();
     assert_eq!(left, ["drum.path", "drum.toml", "killed.exr", "whole.exr"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn killed_work_goes_on_to_the_same_picture() {
+    kill_and_go_on("--size 64x48 --spp 10");
+}
+
+#[cfg(unix)]
+#[test]
+fn killed_work_with_a_limit_of_noise_goes_on_to_the_same_picture() {
+    kill_and_go_on("--size 64x48 --spp 32 --noise 0.1");
+}
+
+#[cfg(unix)]
+#[test]
+fn killed_work_without_memory_goes_on_to_the_same_picture() {
+    kill_and_go_on("--size 64x48 --spp 10 --memory 0");
 }
 
 #[test]
@@ -267,6 +367,12 @@ fn foreign_and_damaged_checkpoints_are_refused() {
         &["another part of the picture"],
     );
     let good = fs::read(desk.path("c.rdf")).unwrap();
+    let mut other = Share::read(desk.path("c.rdf"), &Room::default()).unwrap();
+    let version = other.recipe.settings.iter_mut().find(|(key, _)| key == "version").unwrap();
+    version.1 = "0.0.9".to_owned();
+    other.as_ref().write(desk.path("c.rdf")).unwrap();
+    refused("", &["version is 0.0.9, not"]);
+    desk.file("c.rdf", &good);
     desk.file("drum.path", "M 0 0 L 1 0 L 1 2 L 0 2 Z");
     refused("", &["another scene, or the scene has been changed"]);
     desk.file("drum.path", DRUM);

@@ -9,7 +9,7 @@ use std::{
 };
 
 use exr::{
-    block::{self, UncompressedBlock, writer::ChunksWriter},
+    block::{self, BlockIndex, UncompressedBlock, writer::ChunksWriter},
     meta::{BlockDescription, header::Header},
     prelude::{
         Compression, LineOrder, SampleType, Text,
@@ -19,7 +19,7 @@ use exr::{
 
 use rondure_image::file::write_whole;
 
-use crate::{Film, Recipe};
+use crate::{Film, Layers, Recipe, Spool, SpoolError, Window};
 
 /// Why an OpenEXR file cannot be written or read.
 #[derive(Debug, thiserror::Error)]
@@ -41,6 +41,14 @@ pub enum ExrError {
         /// What is wrong.
         reason: String,
     },
+    /// The sums of the picture cannot be read.
+    #[error("cannot write `{}`: {source}", path.display())]
+    Sums {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        source: SpoolError,
+    },
 }
 
 /// What a channel shows.
@@ -58,21 +66,21 @@ enum Shows {
 }
 
 /// The channels of a film, in the order of their names, as the format asks.
-fn channels(film: &Film) -> Vec<(&'static str, Shows)> {
+fn channels(layers: Layers) -> Vec<(&'static str, Shows)> {
     let mut all = vec![
         ("R", Shows::Light(0)),
         ("G", Shows::Light(1)),
         ("B", Shows::Light(2)),
         ("sampleCount", Shows::Samples),
     ];
-    if film.layers().variance {
+    if layers.variance {
         all.extend([
             ("variance.R", Shows::Variance(0)),
             ("variance.G", Shows::Variance(1)),
             ("variance.B", Shows::Variance(2)),
         ]);
     }
-    if film.layers().guides {
+    if layers.guides {
         all.extend([
             ("albedo.R", Shows::Albedo(0)),
             ("albedo.G", Shows::Albedo(1)),
@@ -92,20 +100,27 @@ fn channels(film: &Film) -> Vec<(&'static str, Shows)> {
     all
 }
 
-fn value(film: &Film, x: u32, y: u32, shows: Shows) -> f32 {
-    let guide = || film.guide(x, y).unwrap_or_default();
-    let center = || film.center(x, y).unwrap_or(crate::Center::SKY);
-    match shows {
-        Shows::Light(c) => film.light(x, y)[c] as f32,
-        Shows::Variance(c) => film.variance(x, y)[c] as f32,
-        Shows::Samples => film.samples(x, y) as f32,
-        Shows::Albedo(c) => guide().albedo[c] as f32,
-        Shows::Normal(c) => guide().normal[c] as f32,
-        Shows::Depth => center().depth,
-        Shows::Position(c) => center().position[c],
-        Shows::Object => center().object as f32,
-        Shows::Material => center().material as f32,
-    }
+/// What channels show of a pixel, in their order. Each layer is worked out once.
+fn values<'a>(
+    film: &Film,
+    x: u32,
+    y: u32,
+    channels: &'a [(&str, Shows)],
+) -> impl Iterator<Item = f32> + use<'a> {
+    let (light, variance, samples) = (film.light(x, y), film.variance(x, y), film.samples(x, y));
+    let guide = film.guide(x, y).unwrap_or_default();
+    let center = film.center(x, y).unwrap_or(crate::Center::SKY);
+    channels.iter().map(move |(_, shows)| match *shows {
+        Shows::Light(c) => light[c] as f32,
+        Shows::Variance(c) => variance[c] as f32,
+        Shows::Samples => samples as f32,
+        Shows::Albedo(c) => guide.albedo[c] as f32,
+        Shows::Normal(c) => guide.normal[c] as f32,
+        Shows::Depth => center.depth,
+        Shows::Position(c) => center.position[c],
+        Shows::Object => center.object as f32,
+        Shows::Material => center.material as f32,
+    })
 }
 
 /// Text as the bytes it has; readers take them for UTF-8.
@@ -113,25 +128,34 @@ fn text(text: &str) -> Text {
     Text::from_slice_unchecked(text.as_bytes())
 }
 
-/// Writes all layers of the whole picture of a film, black where its window does not reach. The name of the scene and the settings become the
+/// Writes all layers of the whole picture, black where the window of the sums does not reach. The name of the scene and the settings become the
 /// comment, a line `name = value` each.
 ///
 /// # Errors
-/// If the disk says no; nothing is left behind then, and a file that was there before stays as it was.
-pub fn write_exr(path: impl AsRef<Path>, film: &Film, recipe: &Recipe) -> Result<(), ExrError> {
-    let channels = channels(film);
+/// If the disk says no, or the sums cannot be read; nothing is left behind then, and a file that was there before stays as it was.
+pub fn write_exr(path: impl AsRef<Path>, sums: &Spool, recipe: &Recipe) -> Result<(), ExrError> {
+    let channels = channels(sums.layers());
     let names: Vec<_> = channels.iter().map(|(name, _)| *name).collect();
-    let value = |channel: usize, x, y| value(film, x, y, channels[channel].1);
-    write_channels(path.as_ref(), film.size(), &names, &recipe.lines(), value)
+    let [width, _] = sums.size();
+    let rows = |y, height| {
+        let film = sums.view(Window { x: 0, y, width, height })?;
+        let mut planes = vec![Vec::new(); channels.len()];
+        for (x, y) in (y..y + height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+            let values = values(&film, x, y, &channels);
+            planes.iter_mut().zip(values).for_each(|(plane, v)| plane.push(v));
+        }
+        Ok(planes)
+    };
+    write_channels(path.as_ref(), sums.size(), &names, &recipe.lines(), rows)
 }
 
-/// Writes channels, whose names are in order, row by row.
-fn write_channels(
+/// Writes channels, whose names are in order, some rows at a time: `rows` takes the first of them and how many, and gives their values for each channel.
+fn write_channels<P: AsRef<[f32]>>(
     path: &Path,
     [width, height]: [u32; 2],
     names: &[&str],
     comments: &str,
-    value: impl Fn(usize, u32, u32) -> f32,
+    mut rows: impl FnMut(u32, u32) -> Result<Vec<P>, SpoolError>,
 ) -> Result<(), ExrError> {
     let descriptions = names
         .iter()
@@ -153,21 +177,32 @@ fn write_channels(
         white: exr::math::Vec2(0.3127, 0.329),
     });
     let fill = |out: &mut BufWriter<&mut std::fs::File>| {
+        let mut unread = None;
         block::write(out, [header].into_iter().collect(), true, |meta, chunks| {
-            let blocks = meta.collect_ordered_blocks(|index| {
+            let mut block = |index: BlockIndex| {
+                let (y, height) = (index.pixel_position.y() as u32, index.pixel_size.height());
+                let planes = rows(y, height as u32).map_err(|error| unread = Some(error));
+                let planes = planes.unwrap_or_default();
                 UncompressedBlock::from_lines(&meta.headers[0].channels, index, |line| {
                     let at = line.location;
-                    let (x, y) = (at.position.x() as u32, at.position.y() as u32);
-                    for (i, bytes) in line.value.chunks_exact_mut(4).enumerate() {
-                        let v = value(at.channel, x + i as u32, y);
+                    let start = (at.position.y() - y as usize) * width as usize;
+                    let row = planes.get(at.channel).map(|plane| &plane.as_ref()[start..]);
+                    // Nothing is kept of a file of which rows are missing.
+                    let row = row.unwrap_or_default();
+                    for (bytes, v) in line.value.chunks_exact_mut(4).zip(row) {
                         bytes.copy_from_slice(&v.to_ne_bytes());
                     }
                 })
-            });
+            };
+            let blocks = meta.collect_ordered_blocks(&mut block);
             chunks.on_progress(|_| {}).compress_all_blocks_parallel(&meta, blocks)
-        })
+        })?;
+        match unread {
+            Some(error) => Err(Fault::Sums(error)),
+            None => Ok(()),
+        }
     };
-    write_whole(path, |out| fill(out).map_err(Fault)).map_err(|fault| fault.at(path))
+    write_whole(path, fill).map_err(|fault| fault.at(path))
 }
 
 /// What wrote a file.
@@ -188,20 +223,30 @@ impl Recipe {
     }
 }
 
-struct Fault(exr::error::Error);
+enum Fault {
+    Exr(exr::error::Error),
+    Sums(SpoolError),
+}
+
+impl From<exr::error::Error> for Fault {
+    fn from(error: exr::error::Error) -> Self {
+        Self::Exr(error)
+    }
+}
 
 impl From<std::io::Error> for Fault {
     fn from(error: std::io::Error) -> Self {
-        Self(error.into())
+        Self::Exr(error.into())
     }
 }
 
 impl Fault {
     fn at(self, path: &Path) -> ExrError {
         let path = path.to_owned();
-        match self.0 {
-            exr::error::Error::Io(source) => ExrError::Io { path, source },
-            other => ExrError::Invalid { path, reason: other.to_string() },
+        match self {
+            Self::Exr(exr::error::Error::Io(source)) => ExrError::Io { path, source },
+            Self::Exr(other) => ExrError::Invalid { path, reason: other.to_string() },
+            Self::Sums(source) => ExrError::Sums { path, source },
         }
     }
 }
@@ -245,8 +290,11 @@ impl ExrPicture {
         channels.sort_by_key(|(name, _)| name);
         let names: Vec<_> = channels.iter().map(|(name, _)| name.as_str()).collect();
         let width = self.size[0] as usize;
-        let value = |channel: usize, x, y| channels[channel].1[y as usize * width + x as usize];
-        write_channels(path, self.size, &names, &self.comments, value)
+        let rows = |y: u32, height: u32| {
+            let place = y as usize * width..(y + height) as usize * width;
+            Ok(channels.iter().map(|(_, values)| &values[place.clone()]).collect())
+        };
+        write_channels(path, self.size, &names, &self.comments, rows)
     }
 
     /// Reads the first part of a file; its first level, if it has several.
@@ -257,7 +305,7 @@ impl ExrPicture {
         let path = path.as_ref();
         let file = std::fs::File::open(path)
             .map_err(|source| ExrError::Io { path: path.to_owned(), source })?;
-        read_channels(BufReader::new(file)).map_err(|error| Fault(error).at(path))
+        read_channels(BufReader::new(file)).map_err(|error| Fault::from(error).at(path))
     }
 }
 
@@ -292,7 +340,7 @@ fn read_channels(file: impl Read + Seek + Send) -> exr::error::Result<ExrPicture
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Center, Guide, Layers, PixelSample, Window};
+    use crate::{Center, Guide, PixelSample, Room};
 
     fn film(width: u32, height: u32, layers: Layers) -> Film {
         let mut film = Film::new([width, height], Window::whole(width, height), layers).unwrap();
@@ -320,7 +368,7 @@ mod tests {
     fn what_was_read_can_be_written() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.exr");
-        write_exr(&path, &film(33, 17, Layers::ALL), &recipe()).unwrap();
+        write_exr(&path, &film(33, 17, Layers::ALL).into(), &recipe()).unwrap();
         let mut picture = ExrPicture::read(&path).unwrap();
         assert_eq!((picture.setting("seed"), picture.setting("sead")), (Some("3"), None));
         picture.channels[0].1[5] = f32::NAN;
@@ -343,18 +391,21 @@ mod tests {
         let path = folder.path().join("a.exr");
         for (width, height) in [(16, 16), (1, 10_000), (33, 17)] {
             let film = film(width, height, Layers::ALL);
-            write_exr(&path, &film, &recipe()).unwrap();
+            write_exr(&path, &film.clone().into(), &recipe()).unwrap();
             let read = ExrPicture::read(&path).unwrap();
             assert_eq!(read.size, [width, height]);
             let names: Vec<_> = read.channels.iter().map(|(name, _)| name.as_str()).collect();
-            assert_eq!(names, channels(&film).iter().map(|(name, _)| *name).collect::<Vec<_>>());
+            assert_eq!(
+                names,
+                channels(film.layers()).iter().map(|(name, _)| *name).collect::<Vec<_>>()
+            );
             assert_eq!(names.len(), 19);
-            for (name, shows) in channels(&film) {
-                let values = read.channel(name).unwrap();
-                for y in 0..height {
-                    for x in 0..width {
-                        let found = values[(y * width + x) as usize];
-                        assert_eq!(found, value(&film, x, y, shows), "{name} {x} {y}");
+            let all = channels(film.layers());
+            for y in 0..height {
+                for x in 0..width {
+                    for ((name, _), v) in all.iter().zip(values(&film, x, y, &all)) {
+                        let found = read.channel(name).unwrap()[(y * width + x) as usize];
+                        assert_eq!(found, v, "{name} {x} {y}");
                     }
                 }
             }
@@ -375,25 +426,42 @@ mod tests {
     fn files_have_the_same_bytes_each_time() {
         let folder = tempfile::tempdir().unwrap();
         let (a, b) = (folder.path().join("a.exr"), folder.path().join("b.exr"));
-        let film = film(40, 70, Layers { variance: true, guides: false });
-        write_exr(&a, &film, &recipe()).unwrap();
-        write_exr(&b, &film, &recipe()).unwrap();
-        assert!(std::fs::read(&a).unwrap() == std::fs::read(&b).unwrap());
+        let few = Layers { variance: true, guides: false };
+        write_exr(&a, &film(40, 70, few).into(), &recipe()).unwrap();
         assert_eq!(ExrPicture::read(&a).unwrap().channels.len(), 7);
+        // In memory and in a scratch file, the second time a part of a picture.
+        let part = Window { x: 5, y: 20, width: 30, height: 41 };
+        let mut cut = Film::new([40, 70], part, Layers::ALL).unwrap();
+        for (x, y) in (0..30 * 41).map(|i| (5 + i % 30, 20 + i / 30)) {
+            let light = [f64::from(x), f64::from(y), 0.5];
+            let guide = Guide::default();
+            assert!(cut.add(x, y, &PixelSample { light, negative: false, guide }));
+        }
+        for film in [film(40, 70, few), cut] {
+            let room = Room { memory: 0, folder: folder.path().to_owned() };
+            let mut scratch = Spool::new(film.size(), film.window(), film.layers(), &room).unwrap();
+            scratch.merge(&film).unwrap();
+            write_exr(&a, &film.into(), &recipe()).unwrap();
+            write_exr(&b, &scratch, &recipe()).unwrap();
+            assert!(std::fs::read(&a).unwrap() == std::fs::read(&b).unwrap());
+        }
+        let picture = ExrPicture::read(&b).unwrap();
+        let row = &picture.channel("G").unwrap()[30 * 40..31 * 40];
+        assert_eq!((row[4], row[5], row[34], row[35]), (0.0, 30.0, 30.0, 0.0));
     }
 
     #[test]
     fn bad_files_are_told() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.exr");
-        write_exr(&path, &film(20, 20, Layers::ALL), &recipe()).unwrap();
+        write_exr(&path, &film(20, 20, Layers::ALL).into(), &recipe()).unwrap();
         let bytes = std::fs::read(&path).unwrap();
         for length in (0..bytes.len()).step_by(97) {
             std::fs::write(&path, &bytes[..length]).unwrap();
             assert!(ExrPicture::read(&path).is_err(), "{length}");
         }
         let lost = folder.path().join("no/a.exr");
-        let error = write_exr(&lost, &film(2, 2, Layers::ALL), &recipe()).unwrap_err();
+        let error = write_exr(&lost, &film(2, 2, Layers::ALL).into(), &recipe()).unwrap_err();
         assert!(matches!(error, ExrError::Io { .. }));
         assert!(matches!(ExrPicture::read(&lost), Err(ExrError::Io { .. })));
     }

@@ -9,8 +9,8 @@
 //! Depth, position and numbers of things are not averaged, which would invent things between two others: they are what the ray through the
 //! middle of the pixel meets.
 //!
-//! A pixel takes 56 bytes, 72 more with the variance and 72 more with the guides: 8K with all layers (7680x4320) takes 6.6 GB, without
-//! any 1.9 GB.
+//! A pixel takes 56 bytes, 72 more with the variance and 72 more with the guides: 8K with all layers (7680x4320) takes 6.6 GB, which
+//! a [`Spool`](crate::Spool) need not have in memory.
 
 use crate::{Sum, Window};
 
@@ -125,7 +125,8 @@ pub struct Film {
     pub(crate) centers: Vec<Center>,
 }
 
-fn filled<T: Clone>(value: T, count: usize) -> Option<Vec<T>> {
+/// So many values, if there is memory for them.
+pub(crate) fn vec_of<T: Clone>(value: T, count: usize) -> Option<Vec<T>> {
     let mut all = Vec::new();
     all.try_reserve_exact(count).ok()?;
     all.resize(count, value);
@@ -138,10 +139,8 @@ impl Film {
     /// # Errors
     /// If the window is empty or not within the picture, or there is not enough memory.
     pub fn new(size: [u32; 2], window: Window, layers: Layers) -> Result<Self, FilmError> {
+        Self::check(size, window)?;
         let pixels = window.pixels();
-        if pixels == 0 || !Window::whole(size[0], size[1]).contains(&window) {
-            return Err(FilmError::Outside { window, size });
-        }
         let make = || {
             let count = usize::try_from(pixels).ok()?;
             let only = |wanted: bool| if wanted { count } else { 0 };
@@ -149,14 +148,29 @@ impl Film {
                 size,
                 window,
                 layers,
-                light: filled(Light::default(), count)?,
-                counts: filled(Count::default(), count)?,
-                squares: filled(Squares::default(), only(layers.variance))?,
-                guides: filled(GuideSums::default(), only(layers.guides))?,
-                centers: filled(Center::SKY, only(layers.guides))?,
+                light: vec_of(Light::default(), count)?,
+                counts: vec_of(Count::default(), count)?,
+                squares: vec_of(Squares::default(), only(layers.variance))?,
+                guides: vec_of(GuideSums::default(), only(layers.guides))?,
+                centers: vec_of(Center::SKY, only(layers.guides))?,
             })
         };
         make().ok_or(FilmError::TooLarge(pixels))
+    }
+
+    /// Whether a window has pixels, all of them in the picture.
+    pub(crate) fn check(size: [u32; 2], window: Window) -> Result<(), FilmError> {
+        let within = Window::whole(size[0], size[1]).contains(&window);
+        let good = window.pixels() > 0 && within;
+        if good { Ok(()) } else { Err(FilmError::Outside { window, size }) }
+    }
+
+    /// A film of no pixel.
+    pub(crate) fn without_pixels(size: [u32; 2], layers: Layers) -> Self {
+        let window = Window { x: 0, y: 0, width: 0, height: 0 };
+        let (light, counts, squares) = (Vec::new(), Vec::new(), Vec::new());
+        let (guides, centers) = (Vec::new(), Vec::new());
+        Self { size, window, layers, light, counts, squares, guides, centers }
     }
 
     /// The size of the whole picture, width and height.
@@ -306,32 +320,6 @@ impl Film {
         self.centers.get(self.index(x, y)?).copied()
     }
 
-    /// How noisy the picture is: the root of the mean variance of its pixels' luminance, as a fraction of their mean luminance. Taken over some
-    /// thousands of pixels that are spread evenly, and of those that have two samples or more; `None` if it is not known.
-    ///
-    /// The channels' errors are taken to go the same way, and samples to be independent, so it is rather too large.
-    pub fn noise(&self) -> Option<f64> {
-        const PIXELS: u64 = 10_000;
-        /// Of Rec. 709.
-        const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
-        let luminance = |rgb: [f64; 3]| (0..3).map(|c| LUMINANCE[c] * rgb[c]).sum::<f64>();
-        let all = self.window.pixels();
-        let count = all.min(PIXELS);
-        let (mut variance, mut light, mut known) = (0.0, 0.0, 0.0);
-        for i in 0..count {
-            let at = i * all / count;
-            let x = self.window.x + (at % u64::from(self.window.width)) as u32;
-            let y = self.window.y + (at / u64::from(self.window.width)) as u32;
-            let error = luminance(self.variance(x, y).map(f64::sqrt));
-            if self.layers.variance && error.is_finite() {
-                variance += error * error;
-                light += luminance(self.light(x, y));
-                known += 1.0;
-            }
-        }
-        (light > 0.0).then(|| (variance / known).sqrt() / (light / known))
-    }
-
     fn mean<const L: usize, const F: u32>(&self, i: usize, sums: &[Sum<L, F>; 3]) -> [f64; 3] {
         let count = self.counts[i];
         if count.samples == 0 {
@@ -384,19 +372,6 @@ mod tests {
         assert!((variance[1] - 40.0 / 12.0).abs() < 1e-15);
         assert!(variance[2] < 1e-17);
         assert_eq!(film.guide(1, 2).unwrap(), sample([0.0; 3]).guide);
-    }
-
-    #[test]
-    fn noise_is_the_error_over_the_light() {
-        let mut film = Film::new([200, 90], Window::whole(200, 90), Layers::ALL).unwrap();
-        assert_eq!(film.noise(), None);
-        for (x, y) in (0..200).flat_map(|x| (0..90).map(move |y| (x, y))) {
-            for v in [1.0, 3.0, 1.0, 3.0] {
-                assert!(film.add(x, y, &sample([v; 3])));
-            }
-        }
-        // The samples' variance is 4/3, that of their mean 1/3, and the mean is 2.
-        assert!((film.noise().unwrap() - (1.0 / 3.0_f64).sqrt() / 2.0).abs() < 1e-12);
     }
 
     #[test]

@@ -2,16 +2,18 @@
 //!
 //! A [`Film`] takes samples of the pixels in its [`Window`], and other films of parts of it. Its sums ([`Sum`]) are exact, so that no order
 //! of adding changes a bit. [`Pass`] says in which ranges the samples of a picture are taken, [`Portion`] names some of them.
-//! A [`Share`] is a film that knows which samples it has, and of what picture ([`Recipe`]); it can be kept in a file, and [`Merge`] puts
-//! shares together. [`write_exr`] writes all layers of a film.
+//! A [`Spool`] keeps the sums of a picture that may be larger than the memory. A [`Share`] knows which samples its sums have, and of what picture
+//! ([`Recipe`]); it can be kept in a file, and [`Merge`] puts shares together. [`write_exr`] writes all layers.
 
 mod exr;
 mod film;
 mod pass;
 mod portion;
 mod recipe;
+mod record;
 mod share;
 mod share_file;
+mod spool;
 mod statistics;
 mod sum;
 mod window;
@@ -23,6 +25,7 @@ pub use portion::Portion;
 pub use recipe::Recipe;
 pub use share::{Merge, MergeError, Share};
 pub use share_file::{ShareError, ShareRef};
+pub use spool::{Room, Spool, SpoolError};
 pub use statistics::Statistics;
 pub use sum::Sum;
 pub use window::Window;

@@ -1,9 +1,10 @@
 //! Shares of a picture, and how they are put together.
 
-use crate::{Film, FilmError, Portion, Recipe, Statistics, Window};
+use crate::{Portion, Recipe, Room, Spool, SpoolError, Statistics, Window};
 
 /// A share of a picture: sums, and which samples they are of.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug)]
+#[cfg_attr(test, derive(PartialEq))]
 pub struct Share {
     /// What the picture is made from.
     pub recipe: Recipe,
@@ -12,7 +13,7 @@ pub struct Share {
     /// What has been taken; no sample twice.
     pub covered: Vec<Portion>,
     /// The sums.
-    pub film: Film,
+    pub sums: Spool,
     /// The work that went into them.
     pub statistics: Statistics,
 }
@@ -20,7 +21,7 @@ pub struct Share {
 impl Share {
     /// All samples of all pixels of the picture.
     pub fn whole(&self) -> Portion {
-        let [width, height] = self.film.size();
+        let [width, height] = self.sums.size();
         Portion { window: Window::whole(width, height), samples: 0..self.recipe.spp }
     }
 
@@ -29,14 +30,18 @@ impl Share {
         self.whole().missing(&self.covered)
     }
 
-    /// The part with number `part` of `parts` (from 1) of a picture: a band of rows, all bands as high as each other to within one row. `None` if there
-    /// is no such part: 0, more than `parts`, or more parts than rows.
-    pub fn portion(whole: &Portion, part: u32, parts: u32) -> Option<Portion> {
-        let window = whole.window;
-        if part == 0 || part > parts || parts > window.height {
+    /// The part with number `part` of `parts` (from 1) of a picture: a band of rows, each but the last of a multiple of `grain` rows (at least 1), all bands
+    /// as high as each other to within `grain` rows. `None` if there is no such part: 0, more than `parts`, or more parts than times `grain` rows.
+    pub fn portion(whole: &Portion, part: u32, parts: u32, grain: u32) -> Option<Portion> {
+        let (window, grain) = (whole.window, grain.max(1));
+        let grains = u64::from(window.height.div_ceil(grain));
+        if part == 0 || part > parts || u64::from(parts) > grains {
             return None;
         }
-        let at = |k: u32| (u64::from(window.height) * u64::from(k) / u64::from(parts)) as u32;
+        let at = |k: u32| {
+            let rows = grains * u64::from(k) / u64::from(parts) * u64::from(grain);
+            rows.min(u64::from(window.height)) as u32
+        };
         let (top, bottom) = (at(part - 1), at(part));
         let window = Window { y: window.y + top, height: bottom - top, ..window };
         Some(Portion { window, samples: whole.samples.clone() })
@@ -77,11 +82,11 @@ pub enum MergeError {
     },
     /// The sums cannot be added.
     #[error("`{name}` cannot be added: {source}")]
-    Film {
+    Sums {
         /// The share.
         name: String,
         /// Why not.
-        source: FilmError,
+        source: SpoolError,
     },
 }
 
@@ -106,6 +111,7 @@ fn missing_text(parts: &Option<(Vec<u32>, u32)>, portions: &[Portion]) -> String
 pub struct Merge {
     sum: Option<Share>,
     added: Vec<Added>,
+    room: Room,
 }
 
 /// What is known of a share that was added.
@@ -117,10 +123,16 @@ struct Added {
 }
 
 impl Merge {
+    /// Nothing yet; the sum has this room.
+    pub fn new(room: Room) -> Self {
+        Self { room, ..Self::default() }
+    }
+
     /// Adds a share, which goes by a name in errors.
     ///
     /// # Errors
-    /// If it is of another picture than those before, or has samples that one of them has; then it is not added.
+    /// If it is of another picture than those before, or has samples that one of them has; then it is not added. If its sums cannot be
+    /// read, or there is no room for the whole, those before are of no more use.
     pub fn add(&mut self, name: &str, share: &Share) -> Result<(), MergeError> {
         let owned = || name.to_owned();
         if let Some(sum) = &self.sum {
@@ -130,7 +142,7 @@ impl Merge {
                 first: first.clone(),
                 difference,
             };
-            let size = |share: &Share| share.film.size();
+            let size = |share: &Share| share.sums.size();
             if let Some(difference) = sum.recipe.difference(&share.recipe) {
                 return Err(foreign(difference));
             }
@@ -138,7 +150,7 @@ impl Merge {
                 let [[a, b], [c, d]] = [size(share), size(sum)];
                 return Err(foreign(format!("its picture has {a}x{b} pixels, not {c}x{d}")));
             }
-            if sum.film.layers() != share.film.layers() {
+            if sum.sums.layers() != share.sums.layers() {
                 return Err(foreign("it has other layers".to_owned()));
             }
         }
@@ -150,23 +162,24 @@ impl Merge {
                 }
             }
         }
-        let film_error = |source| MergeError::Film { name: owned(), source };
+        let no_sums = |source| MergeError::Sums { name: owned(), source };
         let sum = match &mut self.sum {
             Some(sum) => sum,
             none => {
-                let size = share.film.size();
+                let size = share.sums.size();
                 let whole = Window::whole(size[0], size[1]);
-                let film = Film::new(size, whole, share.film.layers()).map_err(film_error)?;
+                let layers = share.sums.layers();
+                let sums = Spool::new(size, whole, layers, &self.room).map_err(no_sums)?;
                 none.insert(Share {
                     recipe: share.recipe.clone(),
                     part: None,
                     covered: Vec::new(),
-                    film,
+                    sums,
                     statistics: Statistics::default(),
                 })
             }
         };
-        sum.film.merge(&share.film).map_err(film_error)?;
+        sum.sums.merge_all(&share.sums).map_err(no_sums)?;
         sum.statistics.add(&share.statistics);
         sum.covered.extend_from_slice(&share.covered);
         let (part, covered) = (share.part, share.covered.clone());
@@ -215,7 +228,7 @@ impl Merge {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Layers, PixelSample, film::Guide};
+    use crate::{Film, Layers, PixelSample, film::Guide};
 
     const SIZE: [u32; 2] = [9, 11];
 
@@ -225,7 +238,7 @@ mod tests {
 
     fn share(part: u32, parts: u32) -> Share {
         let whole = Portion { window: Window::whole(SIZE[0], SIZE[1]), samples: 0..4 };
-        let portion = Share::portion(&whole, part, parts).unwrap();
+        let portion = Share::portion(&whole, part, parts, 1).unwrap();
         of(portion, Some((part, parts)))
     }
 
@@ -242,7 +255,7 @@ mod tests {
             }
         }
         let statistics = Statistics { camera_rays: portion.count() as u64, ..Default::default() };
-        Share { recipe: recipe(), part, covered: vec![portion], film, statistics }
+        Share { recipe: recipe(), part, covered: vec![portion], sums: film.into(), statistics }
     }
 
     #[test]
@@ -250,13 +263,22 @@ mod tests {
         let whole = Portion { window: Window { x: 2, y: 5, width: 7, height: 11 }, samples: 0..3 };
         for parts in 1..=11 {
             let all: Vec<_> =
-                (1..=parts).map(|k| Share::portion(&whole, k, parts).unwrap()).collect();
+                (1..=parts).map(|k| Share::portion(&whole, k, parts, 1).unwrap()).collect();
             assert_eq!(Portion::joined(all.clone()), std::slice::from_ref(&whole));
             let heights = all.iter().map(|p| p.window.height);
             assert!(heights.clone().max().unwrap() - heights.min().unwrap() <= 1);
         }
+        let bands = |grain| {
+            let bands = (1..=3).map(|k| Share::portion(&whole, k, 3, grain));
+            bands
+                .map(|band| band.map(|band| (band.window.y, band.window.height)))
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(bands(4), [Some((5, 4)), Some((9, 4)), Some((13, 3))]);
+        assert_eq!(bands(5), [Some((5, 5)), Some((10, 5)), Some((15, 1))]);
+        assert_eq!(bands(6), [None; 3]);
         for (part, parts) in [(0, 3), (4, 3), (1, 0), (12, 12), (1, 12)] {
-            assert_eq!(Share::portion(&whole, part, parts), None);
+            assert_eq!(Share::portion(&whole, part, parts, 1), None);
         }
     }
 
@@ -266,7 +288,9 @@ mod tests {
         let mut shares: Vec<_> = (1..=7).map(|k| share(k, 7)).collect();
         for turn in 0..7 {
             shares.rotate_left(turn);
-            let mut merge = Merge::default();
+            // In memory and in scratch files.
+            let memory = if turn % 2 == 0 { u64::MAX } else { 0 };
+            let mut merge = Merge::new(Room { memory, ..Room::default() });
             shares.iter().for_each(|s| merge.add("x", s).unwrap());
             assert_eq!(merge.finish().unwrap().unwrap(), whole);
         }
@@ -285,10 +309,12 @@ mod tests {
             "{foreign}"
         );
         let small = Film::new([9, 10], Window::whole(9, 1), Layers::default()).unwrap();
-        let sizes = told(&mut merge, &Share { film: small, ..share(2, 3) });
+        let sizes = told(&mut merge, &Share { sums: small.into(), ..share(2, 3) });
         assert!(sizes.contains("9x10 pixels, not 9x11"), "{sizes}");
         let layered = Film::new(SIZE, Window::whole(9, 1), Layers::ALL).unwrap();
-        assert!(told(&mut merge, &Share { film: layered, ..share(2, 3) }).contains("layers"));
+        assert!(
+            told(&mut merge, &Share { sums: layered.into(), ..share(2, 3) }).contains("layers")
+        );
         let doubled = told(&mut merge, &share(1, 3));
         assert_eq!(doubled, "`two` and `one` have 9x3 at 0,0, samples 0..4 in common");
         let window = Window { x: 4, y: 2, width: 3, height: 4 };

@@ -13,7 +13,10 @@ use sha2::{Digest, Sha256};
 
 use rondure_image::file::{self, write_whole};
 
-use crate::{Center, Film, FilmError, Layers, Portion, Recipe, Share, Statistics, Sum, Window};
+use crate::{
+    Layers, Portion, Recipe, Room, Share, Spool, SpoolError, Statistics, Window,
+    record::{self, Fields, put_words},
+};
 
 const MAGIC: [u8; 8] = *b"RONDURE\x1a";
 /// The version of the format.
@@ -63,13 +66,13 @@ pub enum ShareError {
         /// What is wrong.
         what: &'static str,
     },
-    /// Its film cannot be made.
-    #[error("cannot read `{}`: {source}", path.display())]
-    Film {
+    /// There is no room for its sums, or they cannot be read.
+    #[error("`{}`: {source}", path.display())]
+    Sums {
         /// The file.
         path: PathBuf,
         /// Why not.
-        source: FilmError,
+        source: SpoolError,
     },
 }
 
@@ -83,7 +86,7 @@ pub struct ShareRef<'a> {
     /// See [`Share`].
     pub covered: &'a [Portion],
     /// See [`Share`].
-    pub film: &'a Film,
+    pub sums: &'a Spool,
     /// See [`Share`].
     pub statistics: &'a Statistics,
 }
@@ -91,17 +94,17 @@ pub struct ShareRef<'a> {
 impl Share {
     /// The same, borrowed.
     pub fn as_ref(&self) -> ShareRef<'_> {
-        let Self { recipe, part, covered, film, statistics } = self;
-        ShareRef { recipe, part: *part, covered, film, statistics }
+        let Self { recipe, part, covered, sums, statistics } = self;
+        ShareRef { recipe, part: *part, covered, sums, statistics }
     }
 
     /// Reads a file.
     ///
     /// # Errors
-    /// If it cannot be read, is of another kind or version, ends early, or is damaged.
-    pub fn read(path: impl AsRef<Path>) -> Result<Self, ShareError> {
+    /// If it cannot be read, is of another kind or version, ends early, or is damaged, or there is no room for it.
+    pub fn read(path: impl AsRef<Path>, room: &Room) -> Result<Self, ShareError> {
         let path = path.as_ref();
-        read(path).map_err(|fault| fault.at(path))
+        read(path, room).map_err(|fault| fault.at(path))
     }
 }
 
@@ -112,8 +115,7 @@ impl ShareRef<'_> {
     /// If the disk says no; nothing is left behind then, and a file that was there before stays as it was.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), ShareError> {
         let path = path.as_ref();
-        write_whole(path, |out| self.fill(out))
-            .map_err(|source| ShareError::Io { path: path.to_owned(), source })
+        write_whole(path, |out| self.fill(out)).map_err(|fault: Fault| fault.at(path))
     }
 
     /// The same for a file that nobody else writes. A process that is killed in between leaves the old file, and beside it [`ShareRef::unfinished`].
@@ -122,8 +124,7 @@ impl ShareRef<'_> {
     /// As [`write`](Self::write).
     pub fn write_alone(&self, path: impl AsRef<Path>) -> Result<(), ShareError> {
         let path = path.as_ref();
-        file::write_whole_alone(path, |out| self.fill(out))
-            .map_err(|source| ShareError::Io { path: path.to_owned(), source })
+        file::write_whole_alone(path, |out| self.fill(out)).map_err(|fault: Fault| fault.at(path))
     }
 
     /// The name that a file has before it is whole, if nobody else writes it.
@@ -131,7 +132,7 @@ impl ShareRef<'_> {
         file::new_name(path.as_ref())
     }
 
-    fn fill(&self, out: &mut BufWriter<&mut File>) -> io::Result<()> {
+    fn fill(&self, out: &mut BufWriter<&mut File>) -> Result<(), Fault> {
         let header = self.header();
         out.write_all(&MAGIC)?;
         out.write_all(&VERSION.to_le_bytes())?;
@@ -139,53 +140,44 @@ impl ShareRef<'_> {
         out.write_all(&header)?;
         out.write_all(&header_checksum(&header))?;
         let mut hash = Sha256::new();
-        let film = self.film;
-        let mut row = Vec::new();
-        let width = film.window().width as usize;
-        for start in (0..film.light.len()).step_by(width) {
-            row.clear();
-            (start..start + width).for_each(|i| put_pixel(&mut row, film, i));
-            hash.update(&row);
-            out.write_all(&row)?;
-        }
-        out.write_all(&hash.finalize())
+        self.sums.each_row(|row| {
+            hash.update(row);
+            Ok::<_, Fault>(out.write_all(row)?)
+        })?;
+        Ok(out.write_all(&hash.finalize())?)
     }
 
     fn header(&self) -> Vec<u8> {
         let mut to = Vec::new();
         let text = |to: &mut Vec<u8>, text: &str| {
-            put(to, &[text.len() as u32]);
+            put_words(to, &[text.len() as u32]);
             to.extend_from_slice(text.as_bytes());
         };
         let Recipe { name, scene, spp, settings } = self.recipe;
         to.extend_from_slice(scene);
         text(&mut to, name);
-        put(&mut to, &[*spp, settings.len() as u32]);
+        put_words(&mut to, &[*spp, settings.len() as u32]);
         for (key, value) in settings {
             text(&mut to, key);
             text(&mut to, value);
         }
-        let window = self.film.window();
-        let layers = self.film.layers();
-        put(&mut to, &self.film.size());
-        put(&mut to, &[window.x, window.y, window.width, window.height]);
-        put(&mut to, &[u32::from(layers.variance) | u32::from(layers.guides) << 1]);
+        let window = self.sums.window();
+        let layers = self.sums.layers();
+        put_words(&mut to, &self.sums.size());
+        put_words(&mut to, &[window.x, window.y, window.width, window.height]);
+        put_words(&mut to, &[u32::from(layers.variance) | u32::from(layers.guides) << 1]);
         let (part, parts) = self.part.unwrap_or((0, 0));
-        put(&mut to, &[part, parts]);
+        put_words(&mut to, &[part, parts]);
         let counters = self.statistics.counters();
-        put(&mut to, &[counters.len() as u32]);
+        put_words(&mut to, &[counters.len() as u32]);
         counters.iter().for_each(|n| to.extend_from_slice(&n.to_le_bytes()));
-        put(&mut to, &[self.covered.len() as u32]);
+        put_words(&mut to, &[self.covered.len() as u32]);
         for Portion { window, samples } in self.covered {
-            put(&mut to, &[window.x, window.y, window.width, window.height]);
-            put(&mut to, &[samples.start, samples.end]);
+            put_words(&mut to, &[window.x, window.y, window.width, window.height]);
+            put_words(&mut to, &[samples.start, samples.end]);
         }
         to
     }
-}
-
-fn put(to: &mut Vec<u8>, words: &[u32]) {
-    words.iter().for_each(|word| to.extend_from_slice(&word.to_le_bytes()));
 }
 
 fn header_checksum(header: &[u8]) -> [u8; 32] {
@@ -197,30 +189,6 @@ fn header_checksum(header: &[u8]) -> [u8; 32] {
     hash.finalize().into()
 }
 
-fn put_pixel(to: &mut Vec<u8>, film: &Film, i: usize) {
-    fn sums<const L: usize, const F: u32>(to: &mut Vec<u8>, sums: &[Sum<L, F>; 3]) {
-        let limbs = sums.iter().flat_map(Sum::limbs);
-        limbs.for_each(|limb| to.extend_from_slice(&limb.to_le_bytes()));
-    }
-    sums(to, &film.light[i]);
-    put(to, &[film.counts[i].samples, film.counts[i].weight as u32]);
-    if film.layers().variance {
-        sums(to, &film.squares[i]);
-    }
-    if film.layers().guides {
-        sums(to, &film.guides[i].albedo);
-        sums(to, &film.guides[i].normal);
-        let Center { depth, position: [x, y, z], object, material } = film.centers[i];
-        put(to, &[depth, x, y, z].map(f32::to_bits));
-        put(to, &[object, material]);
-    }
-}
-
-/// The bytes that a pixel takes in a file.
-fn pixel_bytes(layers: Layers) -> u64 {
-    56 + 72 * u64::from(layers.variance) + 72 * u64::from(layers.guides)
-}
-
 /// What is wrong with a file, whose name comes later.
 enum Fault {
     Io(io::Error),
@@ -228,7 +196,7 @@ enum Fault {
     Version(u32),
     CutOff { found: u64, expected: u64 },
     Damaged(&'static str),
-    Film(FilmError),
+    Sums(SpoolError),
 }
 
 impl Fault {
@@ -240,7 +208,7 @@ impl Fault {
             Self::Version(found) => ShareError::Version { path, found },
             Self::CutOff { found, expected } => ShareError::CutOff { path, found, expected },
             Self::Damaged(what) => ShareError::Damaged { path, what },
-            Self::Film(source) => ShareError::Film { path, source },
+            Self::Sums(source) => ShareError::Sums { path, source },
         }
     }
 }
@@ -251,17 +219,23 @@ impl From<io::Error> for Fault {
     }
 }
 
-fn read(path: &Path) -> Result<Share, Fault> {
+impl From<SpoolError> for Fault {
+    fn from(error: SpoolError) -> Self {
+        Self::Sums(error)
+    }
+}
+
+fn read(path: &Path, room: &Room) -> Result<Share, Fault> {
     let file = File::open(path)?;
     let meta = file.metadata()?;
     if meta.is_dir() {
         return Err(io::Error::from(io::ErrorKind::IsADirectory).into());
     }
-    read_from(BufReader::with_capacity(1 << 20, file), meta.len())
+    read_from(BufReader::with_capacity(1 << 20, file), meta.len(), room)
 }
 
 /// Reads a share from its `found` bytes.
-fn read_from(mut file: impl Read, found: u64) -> Result<Share, Fault> {
+fn read_from(mut file: impl Read, found: u64, room: &Room) -> Result<Share, Fault> {
     let start = 8 + 4 + 8;
     let mut bytes = [0; 20];
     // Whatever begins as a share does and stops there is a share cut off.
@@ -298,30 +272,24 @@ fn read_from(mut file: impl Read, found: u64) -> Result<Share, Fault> {
     let share = fields.share().filter(|_| fields.rest.is_empty());
     let Header { recipe, size, window, layers, part, statistics, covered } =
         share.ok_or(Fault::Damaged("its header cannot be understood"))?;
-    let expected = sums_at + window.pixels().saturating_mul(pixel_bytes(layers)) + CHECKSUM;
+    let expected = sums_at + window.pixels().saturating_mul(record::bytes(layers)) + CHECKSUM;
     if found < expected {
         return Err(Fault::CutOff { found, expected });
     }
     if found > expected {
         return Err(Fault::Damaged("there is something behind its end"));
     }
-    let mut film = Film::new(size, window, layers).map_err(Fault::Film)?;
     let mut hash = Sha256::new();
-    let width = window.width as usize;
-    let mut row = vec![0; width * pixel_bytes(layers) as usize];
-    for start in (0..film.light.len()).step_by(width) {
-        file.read_exact(&mut row)?;
-        hash.update(&row);
-        let mut fields = Fields { rest: &row };
-        for i in start..start + width {
-            fields.pixel(&mut film, i).ok_or(Fault::Damaged("its sums cannot be understood"))?;
-        }
-    }
+    let sums = Spool::filled(size, window, layers, room, |row| {
+        file.read_exact(row)?;
+        hash.update(row);
+        Ok::<_, Fault>(())
+    })?;
     file.read_exact(&mut checksum)?;
     if checksum != <[u8; 32]>::from(hash.finalize()) {
         return Err(Fault::Damaged("the checksum of its sums is wrong"));
     }
-    Ok(Share { recipe, part, covered, film, statistics })
+    Ok(Share { recipe, part, covered, sums, statistics })
 }
 
 struct Header {
@@ -334,26 +302,7 @@ struct Header {
     covered: Vec<Portion>,
 }
 
-/// Bytes that are read from the front.
-struct Fields<'a> {
-    rest: &'a [u8],
-}
-
 impl Fields<'_> {
-    fn array<const N: usize>(&mut self) -> Option<[u8; N]> {
-        let (head, rest) = self.rest.split_first_chunk()?;
-        self.rest = rest;
-        Some(*head)
-    }
-
-    fn word(&mut self) -> Option<u32> {
-        self.array().map(u32::from_le_bytes)
-    }
-
-    fn long(&mut self) -> Option<u64> {
-        self.array().map(u64::from_le_bytes)
-    }
-
     fn text(&mut self) -> Option<String> {
         let length = self.word()? as usize;
         let (head, rest) = self.rest.split_at_checked(length)?;
@@ -390,36 +339,6 @@ impl Fields<'_> {
         let fits = covered.iter().all(|p| window.contains(&p.window)) && flags < 4;
         fits.then_some(Header { recipe, size, window, layers, part, statistics, covered })
     }
-
-    fn sums<const L: usize, const F: u32>(&mut self) -> Option<[Sum<L, F>; 3]> {
-        let mut sums = [Sum::default(); 3];
-        for sum in &mut sums {
-            let mut limbs = [0; L];
-            for limb in &mut limbs {
-                *limb = self.long()?;
-            }
-            *sum = Sum::from_limbs(limbs);
-        }
-        Some(sums)
-    }
-
-    fn pixel(&mut self, film: &mut Film, i: usize) -> Option<()> {
-        film.light[i] = self.sums()?;
-        film.counts[i].samples = self.word()?;
-        film.counts[i].weight = self.word()? as i32;
-        if film.layers().variance {
-            film.squares[i] = self.sums()?;
-        }
-        if film.layers().guides {
-            film.guides[i].albedo = self.sums()?;
-            film.guides[i].normal = self.sums()?;
-            let [depth, x, y, z] =
-                [self.word()?, self.word()?, self.word()?, self.word()?].map(f32::from_bits);
-            let (object, material) = (self.word()?, self.word()?);
-            film.centers[i] = Center { depth, position: [x, y, z], object, material };
-        }
-        Some(())
-    }
 }
 
 #[cfg(test)]
@@ -427,7 +346,7 @@ mod tests {
     use std::fs;
 
     use super::*;
-    use crate::{Guide, PixelSample};
+    use crate::{Center, Film, Guide, PixelSample};
 
     fn share(layers: Layers) -> Share {
         let size = [9, 7];
@@ -453,7 +372,7 @@ mod tests {
         let statistics =
             Statistics { camera_rays: 11, shadow_rays: u64::MAX, ..Default::default() };
         let covered = vec![Portion { window, samples: 0..2 }];
-        Share { recipe, part: Some((2, 3)), covered, film, statistics }
+        Share { recipe, part: Some((2, 3)), covered, sums: film.into(), statistics }
     }
 
     #[test]
@@ -463,7 +382,14 @@ mod tests {
         for layers in [Layers::default(), Layers { variance: true, guides: false }, Layers::ALL] {
             let share = share(layers);
             share.as_ref().write(&path).unwrap();
-            assert_eq!(Share::read(&path).unwrap(), share);
+            for memory in [u64::MAX, 0] {
+                let room = Room { memory, folder: folder.path().to_owned() };
+                let read = Share::read(&path, &room).unwrap();
+                assert_eq!(read, share);
+                let again = folder.path().join("b.rdf");
+                read.as_ref().write_alone(&again).unwrap();
+                assert_eq!(fs::read(&again).unwrap(), fs::read(&path).unwrap());
+            }
         }
     }
 
@@ -473,8 +399,9 @@ mod tests {
         let path = folder.path().join("a.rdf");
         share(Layers::ALL).as_ref().write(&path).unwrap();
         let bytes = fs::read(&path).unwrap();
+        let room = Room::default();
         let read = |bytes: &[u8]| {
-            let fault = read_from(bytes, bytes.len() as u64).unwrap_err();
+            let fault = read_from(bytes, bytes.len() as u64, &room).unwrap_err();
             fault.at(&path)
         };
         for length in 1..bytes.len() {
@@ -490,7 +417,7 @@ mod tests {
             let expected = match at {
                 0..8 => matches!(error, ShareError::NotAShare(_)),
                 8..12 => matches!(error, ShareError::Version { .. }),
-                12..20 => !matches!(error, ShareError::Io { .. } | ShareError::Film { .. }),
+                12..20 => !matches!(error, ShareError::Io { .. } | ShareError::Sums { .. }),
                 _ => matches!(error, ShareError::Damaged { .. }),
             };
             assert!(expected, "{at}: {error}");
@@ -503,12 +430,13 @@ mod tests {
     fn other_files_are_told() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.rdf");
+        let read = |path: &Path| Share::read(path, &Room::default());
         for other in [&b""[..], b"x", b"\x89PNG\r\n\x1a\n and so on, for quite a while"] {
             fs::write(&path, other).unwrap();
-            assert!(matches!(Share::read(&path), Err(ShareError::NotAShare(_))));
+            assert!(matches!(read(&path), Err(ShareError::NotAShare(_))));
         }
-        assert!(matches!(Share::read(folder.path()), Err(ShareError::Io { .. })));
-        assert!(matches!(Share::read(folder.path().join("b")), Err(ShareError::Io { .. })));
+        assert!(matches!(read(folder.path()), Err(ShareError::Io { .. })));
+        assert!(matches!(read(&folder.path().join("b")), Err(ShareError::Io { .. })));
         let lost = folder.path().join("no/a.rdf");
         assert!(matches!(share(Layers::ALL).as_ref().write(lost), Err(ShareError::Io { .. })));
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);

@@ -29,6 +29,12 @@ impl Image {
         Ok(Self { width, height, pixels })
     }
 
+    /// A picture of the pixels that `pixel` gives by column and row.
+    pub fn from_pixels(width: u32, height: u32, pixel: impl Fn(u32, u32) -> [f32; 3]) -> Self {
+        let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        Self { width, height, pixels: places.map(|(x, y)| pixel(x, y)).collect() }
+    }
+
     /// Pixels across.
     pub fn width(&self) -> u32 {
         self.width

@@ -16,11 +16,14 @@ pub mod file;
 pub mod flip;
 mod image;
 mod matrix;
+pub mod pfm;
 pub mod png;
+mod signals;
 pub mod tone;
 mod view;
 mod white;
 
 pub use image::{Image, SizeError};
+pub use signals::{Depth, Signals};
 pub use view::{Look, View};
 pub use white::{White, WhiteError};

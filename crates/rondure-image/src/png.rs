@@ -2,22 +2,13 @@
 
 use std::{
     fs::File,
-    io::{self, BufReader, Write},
+    io::{self, BufReader, BufWriter, Write},
     path::{Path, PathBuf},
 };
 
-use png::{BitDepth, ColorType, Encoder, EncodingError, Transformations};
+use png::{BitDepth, ColorType, Encoder, EncodingError, StreamWriter, Transformations};
 
-use crate::{Image, file::write_whole, tone};
-
-/// Red, green and blue of each pixel, as signals in sRGB.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Signals {
-    /// From 0 to 255.
-    Eight(Vec<u8>),
-    /// From 0 to 65535.
-    Sixteen(Vec<u16>),
-}
+use crate::{Depth, Image, Look, Signals, file::write_whole, tone};
 
 /// Texts in a file: each with its key, of ASCII, at most 79 bytes long.
 pub type Texts = [(String, String)];
@@ -92,23 +83,78 @@ pub fn write(
     signals: &Signals,
     texts: &Texts,
 ) -> Result<(), WriteError> {
-    let path = path.as_ref();
-    let depth = match signals {
-        Signals::Eight(_) => BitDepth::Eight,
-        Signals::Sixteen(_) => BitDepth::Sixteen,
-    };
-    write_whole(path, |out| {
-        let mut writer = header(out, width, height, depth, texts, None)?;
-        match signals {
-            Signals::Eight(data) => writer.write_image_data(data)?,
-            Signals::Sixteen(data) => {
-                let data: Vec<u8> = data.iter().flat_map(|v| v.to_be_bytes()).collect();
-                writer.write_image_data(&data)?;
-            }
-        }
-        writer.finish()
+    write_rows(path.as_ref(), [width, height], signals.depth(), texts, |writer| {
+        Ok(writer.write_all(&signals.bytes())?)
     })
-    .map_err(|error| failed(path, error))
+}
+
+/// Writes a picture row by row, of which `row` gives the light by the number of each, as `look` shows it, marked as sRGB. The file appears under
+/// its name only when it is whole, and no more than a row is in memory.
+///
+/// # Errors
+/// As for [`write()`]; the errors of `row` are passed on.
+pub fn write_light<E: From<WriteError>>(
+    path: impl AsRef<Path>,
+    [width, height]: [u32; 2],
+    (look, depth): (&Look, Depth),
+    texts: &Texts,
+    mut row: impl FnMut(u32) -> Result<Vec<[f32; 3]>, E>,
+) -> Result<(), E> {
+    write_rows(path.as_ref(), [width, height], depth, texts, |writer| {
+        for y in 0..height {
+            let signals = look.signals(&row(y).map_err(Stop::Theirs)?, width, y, depth);
+            writer.write_all(&signals.bytes())?;
+        }
+        Ok(())
+    })
+}
+
+/// The length of the pieces in which compressed rows stand in a file, in bytes.
+const PIECE: usize = 1 << 16;
+
+/// Writes the rows that `fill` gives.
+fn write_rows<E: From<WriteError>>(
+    path: &Path,
+    [width, height]: [u32; 2],
+    depth: Depth,
+    texts: &Texts,
+    fill: impl FnOnce(&mut StreamWriter<'_, &mut BufWriter<&mut File>>) -> Result<(), Stop<E>>,
+) -> Result<(), E> {
+    let write = |out: &mut BufWriter<&mut File>| {
+        let mut writer = header(out, width, height, depth, texts, None)?;
+        let mut rows = writer.stream_writer_with_size(PIECE)?;
+        fill(&mut rows)?;
+        rows.finish()?;
+        Ok(writer.finish()?)
+    };
+    write_whole(path, write).map_err(|stop: Stop<E>| stop.at(path))
+}
+
+/// What stops a file.
+enum Stop<E> {
+    Ours(EncodingError),
+    Theirs(E),
+}
+
+impl<E> From<io::Error> for Stop<E> {
+    fn from(error: io::Error) -> Self {
+        Self::Ours(error.into())
+    }
+}
+
+impl<E> From<EncodingError> for Stop<E> {
+    fn from(error: EncodingError) -> Self {
+        Self::Ours(error)
+    }
+}
+
+impl<E: From<WriteError>> Stop<E> {
+    fn at(self, path: &Path) -> E {
+        match self {
+            Self::Ours(error) => failed(path, error).into(),
+            Self::Theirs(error) => error,
+        }
+    }
 }
 
 fn failed(path: &Path, error: EncodingError) -> WriteError {
@@ -124,13 +170,16 @@ fn header<W: Write>(
     out: W,
     width: u32,
     height: u32,
-    depth: BitDepth,
+    depth: Depth,
     texts: &Texts,
     film: Option<(u32, f64)>,
 ) -> Result<png::Writer<W>, EncodingError> {
     let mut encoder = Encoder::new(out, width, height);
     encoder.set_color(ColorType::Rgb);
-    encoder.set_depth(depth);
+    encoder.set_depth(match depth {
+        Depth::Eight => BitDepth::Eight,
+        Depth::Sixteen => BitDepth::Sixteen,
+    });
     if let Some((frames, rate)) = film {
         encoder.set_animated(frames, 0)?;
         // A fraction of two u16, with a numerator that leaves the denominator its digits.
@@ -167,40 +216,23 @@ fn header<W: Write>(
 /// `frames` gives the signals of one frame after the other, so that no more than one is in memory.
 ///
 /// # Errors
-/// As for [`write`]; the errors of `frames` are passed on.
+/// As for [`write()`]; the errors of `frames` are passed on.
 pub fn write_animation<E: From<WriteError>>(
     path: impl AsRef<Path>,
     [width, height]: [u32; 2],
     rate: f64,
     frames: impl ExactSizeIterator<Item = Result<Vec<u8>, E>>,
 ) -> Result<(), E> {
-    enum Stop<E> {
-        Ours(EncodingError),
-        Theirs(E),
-    }
-    impl<E> From<io::Error> for Stop<E> {
-        fn from(error: io::Error) -> Self {
-            Self::Ours(error.into())
-        }
-    }
-    impl<E> From<EncodingError> for Stop<E> {
-        fn from(error: EncodingError) -> Self {
-            Self::Ours(error)
-        }
-    }
     let path = path.as_ref();
     write_whole(path, |out| {
         let film = Some((u32::try_from(frames.len()).unwrap_or(u32::MAX), rate));
-        let mut writer = header(out, width, height, BitDepth::Eight, &[], film)?;
+        let mut writer = header(out, width, height, Depth::Eight, &[], film)?;
         for frame in frames {
             writer.write_image_data(&frame.map_err(Stop::Theirs)?)?;
         }
         Ok(writer.finish()?)
     })
-    .map_err(|stop| match stop {
-        Stop::Ours(error) => failed(path, error).into(),
-        Stop::Theirs(error) => error,
-    })
+    .map_err(|stop: Stop<E>| stop.at(path))
 }
 
 /// Reads a picture of any kind that PNG has. Its colours are taken for sRGB, whatever profile it carries; of an animation, the first

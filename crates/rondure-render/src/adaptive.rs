@@ -12,10 +12,10 @@
 //! does not depend on threads, tiles, or how often the work was stopped and gone on with: a block of which a pixel has samples of the
 //! pass already was not good enough when the pass began.
 
-use rondure_film::{Film, Window};
+use rondure_film::{Film, Spool, SpoolError, Window};
 
-/// The edge of a block, in pixels.
-const EDGE: u32 = 8;
+/// The edge of the blocks of pixels that a limit of noise goes by.
+pub const EDGE: u32 = 8;
 /// How many samples each pixel gets before the variance is believed.
 const FIRST: u32 = 16;
 /// What keeps black pixels from counting without bound, as the square of a light that is shown.
@@ -28,26 +28,39 @@ pub(crate) struct Blocks {
     active: Vec<bool>,
 }
 
+/// Whether a window of a picture of `size` consists of whole blocks.
+pub(crate) fn are_whole(window: &Window, [width, height]: [u32; 2]) -> bool {
+    let good = |first: u32, count: u32, all: u32| {
+        let end = first.saturating_add(count);
+        first.is_multiple_of(EDGE) && (end.is_multiple_of(EDGE) || end == all)
+    };
+    good(window.x, window.width, width) && good(window.y, window.height, height)
+}
+
 impl Blocks {
     /// Those whose error is above `noise`, before the pass that begins with the sample of number `start`.
-    pub(crate) fn new(film: &Film, noise: f64, exposure: f64, start: u32) -> Self {
-        let [width, height] = film.size();
+    pub(crate) fn new(
+        sums: &Spool,
+        noise: f64,
+        exposure: f64,
+        start: u32,
+    ) -> Result<Self, SpoolError> {
+        let [width, height] = sums.size();
         let columns = width.div_ceil(EDGE);
-        let count = columns * height.div_ceil(EDGE);
-        let block = |i: u32| Window {
-            x: i % columns * EDGE,
-            y: i / columns * EDGE,
-            width: EDGE.min(width - i % columns * EDGE),
-            height: EDGE.min(height - i / columns * EDGE),
-        };
-        let needs_more = |i| {
-            let block = block(i);
-            let most = pixels(&block).map(|(x, y)| film.samples(x, y)).max().unwrap_or(0);
-            most > start
-                || start < FIRST
-                || (most == start && error(film, &block, exposure) > noise)
-        };
-        Self { columns, active: (0..count).map(needs_more).collect() }
+        let mut active = Vec::new();
+        for y in (0..height).step_by(EDGE as usize) {
+            let row = Window { x: 0, y, width, height: EDGE.min(height - y) };
+            let film = sums.view(row)?;
+            active.extend((0..columns).map(|column| {
+                let x = column * EDGE;
+                let block = Window { x, width: EDGE.min(width - x), ..row };
+                let most = pixels(&block).map(|(x, y)| film.samples(x, y)).max().unwrap_or(0);
+                most > start
+                    || start < FIRST
+                    || (most == start && error(&film, &block, exposure) > noise)
+            }));
+        }
+        Ok(Self { columns, active })
     }
 
     /// Whether none gets more.
@@ -115,21 +128,25 @@ mod tests {
         film
     }
 
+    fn blocks(film: &Film, noise: f64, exposure: f64, start: u32) -> Blocks {
+        Blocks::new(&film.clone().into(), noise, exposure, start).unwrap()
+    }
+
     #[test]
     fn blocks_with_noise_get_more() {
         let film = film();
         // Before the first 16 samples are taken everything does.
-        assert_eq!(Blocks::new(&film, 0.01, 1.0, 8).active, [true; 6]);
-        let blocks = Blocks::new(&film, 0.01, 1.0, 16);
-        assert_eq!(blocks.active, [true, false, false, true, false, false]);
+        assert_eq!(blocks(&film, 0.01, 1.0, 8).active, [true; 6]);
+        let found = blocks(&film, 0.01, 1.0, 16);
+        assert_eq!(found.active, [true, false, false, true, false, false]);
         // The standard deviation 0.5 over the root of 15, to 1.
         let error = error(&film, &Window { x: 0, y: 0, width: 8, height: 8 }, 1.0);
         assert!((error - 0.5 / 15.0_f64.sqrt() / 1.01_f64.sqrt()).abs() < 1e-12, "{error}");
-        assert!(Blocks::new(&film, 0.13, 1.0, 16).is_done());
+        assert!(blocks(&film, 0.13, 1.0, 16).is_done());
         // In a picture that is darker by the exposure, the noise is less in relation to the floor.
-        assert!(Blocks::new(&film, 0.01, 1e-3, 16).is_done());
+        assert!(blocks(&film, 0.01, 1e-3, 16).is_done());
         // What was left out once stays out.
-        assert!(Blocks::new(&film, 0.01, 1.0, 32).is_done());
+        assert!(blocks(&film, 0.01, 1.0, 32).is_done());
     }
 
     #[test]
@@ -137,17 +154,17 @@ mod tests {
         let mut film = film();
         let sample = PixelSample { light: [1.0; 3], negative: false, guide: Guide::default() };
         assert!(film.add(19, 0, &sample));
-        let blocks = Blocks::new(&film, 0.01, 1.0, 16);
-        assert_eq!(blocks.active, [true, false, true, true, false, false]);
+        let found = blocks(&film, 0.01, 1.0, 16);
+        assert_eq!(found.active, [true, false, true, true, false, false]);
     }
 
     #[test]
     fn tiles_are_cut_at_blocks() {
-        let blocks = Blocks::new(&film(), 0.01, 1.0, 16);
+        let found = blocks(&film(), 0.01, 1.0, 16);
         let window = |x, y, width, height| Window { x, y, width, height };
-        assert_eq!(blocks.of_tile(window(0, 0, 8, 12)), [window(0, 0, 8, 12)]);
-        assert_eq!(blocks.of_tile(window(8, 0, 12, 12)), []);
-        let parts = blocks.of_tile(window(5, 5, 7, 7));
+        assert_eq!(found.of_tile(window(0, 0, 8, 12)), [window(0, 0, 8, 12)]);
+        assert_eq!(found.of_tile(window(8, 0, 12, 12)), []);
+        let parts = found.of_tile(window(5, 5, 7, 7));
         assert_eq!(parts, [window(5, 5, 3, 3), window(5, 8, 3, 4)]);
     }
 }

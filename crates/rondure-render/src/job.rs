@@ -111,7 +111,10 @@ impl<'a> Job<'a> {
     }
 
     /// Makes what all tiles of a pass share. It depends on the job and the number of the pass alone.
-    pub fn prepare(&self, pass: Pass) -> Prepared {
+    ///
+    /// # Errors
+    /// If `progress` asks to stop.
+    pub fn prepare(&self, pass: Pass, progress: &dyn Progress) -> Result<Prepared, RenderError> {
         let [width, height] = self.size();
         let samples = pass.samples();
         let volley = Volley {
@@ -121,8 +124,17 @@ impl<'a> Job<'a> {
             samples: f64::from(width) * f64::from(height) * samples.len() as f64,
             depth: self.scene.film.depth.min(MAX_DEPTH),
         };
-        let photons = self.aim.as_ref().map(|aim| Photons::new(&self.world, aim, &volley));
-        Prepared { pass, photons }
+        let go_on = |done| {
+            progress.preparing(done);
+            !progress.is_cancelled() && !progress.is_enough()
+        };
+        let photons = match &self.aim {
+            Some(aim) => Some(
+                Photons::new(&self.world, aim, &volley, &go_on).ok_or(RenderError::Cancelled)?,
+            ),
+            None => None,
+        };
+        Ok(Prepared { pass, photons })
     }
 
     /// Takes the `samples` of one pass in the pixels of `tile`.

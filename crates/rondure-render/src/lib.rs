@@ -41,9 +41,10 @@ mod warp;
 mod work;
 mod world;
 
+pub use adaptive::EDGE as NOISE_BLOCK;
 pub use job::{Job, Prepared, TileSums};
 pub use look::look;
-pub use picture::{Picture, WriteError};
+pub use picture::{Picture, WriteError, write_png};
 pub use render::{Progress, RenderError, Settings, render};
 pub use rondure_film::Statistics;
 pub use work::{Outcome, Snapshot, Work};

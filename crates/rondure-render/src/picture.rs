@@ -2,25 +2,20 @@
 
 use std::path::Path;
 
-use rondure_film::Film;
+use rondure_film::{Film, Spool, SpoolError, Window};
 use rondure_image::{
-    Look,
-    png::{self, Signals},
-    tone,
+    Depth, Image, Look,
+    png::{self, Texts},
 };
 
 use crate::Statistics;
 
-/// A picture in linear light, Rec. 709 primaries, rows from the top.
+/// A picture in linear light, and how it is shown.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
-    pub(crate) width: u32,
-    pub(crate) height: u32,
-    pub(crate) look: Look,
-    pub(crate) pixels: Vec<[f32; 3]>,
-    pub(crate) statistics: Statistics,
-    /// Names and texts for the file.
-    pub(crate) texts: Vec<(String, String)>,
+    image: Image,
+    look: Look,
+    statistics: Statistics,
 }
 
 /// Why a picture could not be written.
@@ -33,60 +28,47 @@ pub enum WriteError {
     /// The file could not be written.
     #[error(transparent)]
     File(#[from] png::WriteError),
+    /// The sums of the picture cannot be read.
+    #[error(transparent)]
+    Sums(#[from] SpoolError),
 }
 
 impl Picture {
     /// The light on a film, to be shown so; black where the picture goes beyond its window.
     pub fn new(film: &Film, look: Look, statistics: Statistics) -> Self {
         let [width, height] = film.size();
-        let pixel = |x, y| film.light(x, y).map(|v| v as f32);
-        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| pixel(x, y))).collect();
-        Self { width, height, look, pixels, statistics, texts: Vec::new() }
+        let image = Image::from_pixels(width, height, |x, y| pixel(film, x, y));
+        Self { image, look, statistics }
+    }
+
+    /// The radiance of each pixel, before exposure.
+    pub fn image(&self) -> &Image {
+        &self.image
+    }
+
+    /// How it is shown.
+    pub fn look(&self) -> &Look {
+        &self.look
     }
 
     /// Pixels across.
     pub fn width(&self) -> u32 {
-        self.width
+        self.image.width()
     }
 
     /// Pixels down.
     pub fn height(&self) -> u32 {
-        self.height
+        self.image.height()
     }
 
-    /// The radiance of each pixel, before exposure.
+    /// The radiance of each pixel, before exposure, rows from the top.
     pub fn pixels(&self) -> &[[f32; 3]] {
-        &self.pixels
+        self.image.pixels()
     }
 
     /// What was done to make it.
     pub fn statistics(&self) -> &Statistics {
         &self.statistics
-    }
-
-    /// Adds what a file is to say of the picture: names of up to 79 characters of ASCII, and texts.
-    pub fn describe(&mut self, texts: impl IntoIterator<Item = (String, String)>) {
-        self.texts.extend(texts);
-    }
-
-    /// The channels of all pixels as signals from 0 to `max`: as the look shows them, through the sRGB
-    /// curve, dithered.
-    fn signals(&self, max: f64) -> impl Iterator<Item = f64> + '_ {
-        let width = self.width.max(1) as usize;
-        self.pixels.iter().enumerate().flat_map(move |(i, pixel)| {
-            let threshold = tone::threshold((i % width) as u32, (i / width) as u32);
-            self.look.show(*pixel).map(|v| tone::quantize(v, max, threshold))
-        })
-    }
-
-    /// Red, green and blue of each pixel in sRGB, 8 bits each.
-    pub fn to_srgb8(&self) -> Vec<u8> {
-        self.signals(255.0).map(|v| v as u8).collect()
-    }
-
-    /// Red, green and blue of each pixel in sRGB, 16 bits each.
-    pub fn to_srgb16(&self) -> Vec<u16> {
-        self.signals(65535.0).map(|v| v as u16).collect()
     }
 
     /// Writes a PNG file with `bits` (8 or 16) in each channel, marked as sRGB.
@@ -97,29 +79,63 @@ impl Picture {
     /// If `bits` is neither 8 nor 16, or the file cannot be written; nothing is left behind then,
     /// and a file that was there before stays as it was.
     pub fn write_png(&self, path: impl AsRef<Path>, bits: u8) -> Result<(), WriteError> {
-        let signals = match bits {
-            8 => Signals::Eight(self.to_srgb8()),
-            16 => Signals::Sixteen(self.to_srgb16()),
-            _ => return Err(WriteError::Bits(bits)),
-        };
-        Ok(png::write(path, [self.width, self.height], &signals, &self.texts)?)
+        let signals = self.image.signals(&self.look, depth(bits)?);
+        Ok(png::write(path, [self.width(), self.height()], &signals, &[])?)
     }
+}
+
+fn pixel(film: &Film, x: u32, y: u32) -> [f32; 3] {
+    film.light(x, y).map(|v| v as f32)
+}
+
+fn depth(bits: u8) -> Result<Depth, WriteError> {
+    Depth::of_bits(bits).ok_or(WriteError::Bits(bits))
+}
+
+/// Writes the light of sums into a PNG file as `look` shows it, with `bits` (8 or 16) in each channel; black where the picture goes beyond their window. No
+/// more than a row is in memory.
+///
+/// # Errors
+/// As [`Picture::write_png`], or if the sums cannot be read.
+pub fn write_png(
+    path: impl AsRef<Path>,
+    sums: &Spool,
+    look: &Look,
+    bits: u8,
+    texts: &Texts,
+) -> Result<(), WriteError> {
+    let [width, height] = sums.size();
+    png::write_light(path, [width, height], (look, depth(bits)?), texts, |y| {
+        let film = sums.view(Window { x: 0, y, width, height: 1 })?;
+        Ok((0..width).map(|x| pixel(&film, x, y)).collect())
+    })
 }
 
 #[cfg(test)]
 mod tests {
+    use rondure_film::{Guide, Layers, PixelSample, Room};
+    use rondure_image::tone;
+
     use super::*;
 
     #[test]
     fn files_hold_the_picture() {
         let (width, height) = (33, 7);
-        let pixels: Vec<_> =
-            (0..width * height).map(|i| [i as f32 / 400.0, 1.5 - i as f32 / 150.0, 0.25]).collect();
-        let look = Look::default();
-        let statistics = Statistics::default();
-        let picture = Picture { width, height, look, pixels, statistics, texts: Vec::new() };
+        let window = Window { x: 0, y: 1, width, height: height - 1 };
+        let mut film = Film::new([width, height], window, Layers::default()).unwrap();
+        for i in width..width * height {
+            let v = f64::from(i);
+            let light = [v / 400.0, 1.5 - v / 150.0, 0.25];
+            let sample = PixelSample { light, negative: false, guide: Guide::default() };
+            assert!(film.add(i % width, i / width, &sample));
+        }
+        let picture = Picture::new(&film, Look::default(), Statistics::default());
+        assert_eq!(picture.pixels()[..33], [[0.0; 3]; 33]);
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.png");
+        let (path, other) = (folder.path().join("a.png"), folder.path().join("b.png"));
+        let room = Room { memory: 0, folder: folder.path().to_owned() };
+        let mut spool = Spool::new([width, height], window, Layers::default(), &room).unwrap();
+        spool.merge(&film).unwrap();
         for (bits, step) in [(8, 1.0 / 255.0), (16, 1.0 / 65535.0)] {
             picture.write_png(&path, bits).unwrap();
             let read = png::read(&path).unwrap().image;
@@ -128,6 +144,8 @@ mod tests {
                     tone::srgb(f64::from(*a)) - tone::srgb(f64::from(b.clamp(0.0, 1.0)));
                 assert!(difference.abs() <= step, "{a} {b}");
             }
+            write_png(&other, &spool, picture.look(), bits, &[]).unwrap();
+            assert!(std::fs::read(&path).unwrap() == std::fs::read(&other).unwrap());
         }
         assert!(matches!(picture.write_png(&path, 12), Err(WriteError::Bits(12))));
     }

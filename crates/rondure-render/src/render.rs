@@ -2,12 +2,12 @@
 
 use core::ops::Range;
 
-use rondure_film::{FilmError, Layers};
+use rondure_film::{FilmError, Layers, Room, SpoolError};
 use rondure_image::WhiteError;
 use rondure_scene::Scene;
 
 use crate::{
-    Picture,
+    NOISE_BLOCK, Picture,
     job::Job,
     look::look,
     work::{Outcome, Snapshot, Work},
@@ -30,12 +30,17 @@ pub trait Progress: Sync {
         let _ = done;
     }
 
+    /// Of what is made before a pass (photons), `done` (from 0 to 1) is; it may come out of order.
+    fn preparing(&self, done: f64) {
+        let _ = done;
+    }
+
     /// Whether to stop at once. Asked once for each row of a tile; a tile in the making is given up.
     fn is_cancelled(&self) -> bool {
         false
     }
 
-    /// Whether to stop when the tiles in the making are done. Asked before each tile.
+    /// Whether to stop when the tiles in the making are done. Asked before each tile, and while what is made before a pass is made.
     fn is_enough(&self) -> bool {
         false
     }
@@ -77,6 +82,9 @@ pub enum RenderError {
     /// The film cannot take what it is to take.
     #[error(transparent)]
     Film(#[from] FilmError),
+    /// The sums cannot be kept in a scratch file.
+    #[error(transparent)]
+    Sums(SpoolError),
     /// Samples were asked for that are not of the pass.
     #[error("samples {samples:?} are not all of the pass of samples {pass:?}")]
     OtherPass {
@@ -132,8 +140,10 @@ pub enum RenderError {
     /// A limit of noise needs to know the noise.
     #[error("a picture without a layer of variance has no limit of noise")]
     NoVariance,
-    /// Only whole pictures can be judged by their noise.
-    #[error("a limit of noise is for whole pictures, not for parts")]
+    /// Only whole blocks with all their samples can be judged by their noise.
+    #[error(
+        "a limit of noise is for parts of whole blocks of {NOISE_BLOCK}x{NOISE_BLOCK} pixels with all their samples"
+    )]
     NoisePart,
     /// No light has the colour that is to look white.
     #[error(transparent)]
@@ -141,6 +151,15 @@ pub enum RenderError {
     /// The threads could not be started.
     #[error("cannot start the threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
+}
+
+impl From<SpoolError> for RenderError {
+    fn from(error: SpoolError) -> Self {
+        match error {
+            SpoolError::Film(error) => Self::Film(error),
+            other => Self::Sums(other),
+        }
+    }
 }
 
 /// Renders a scene.
@@ -154,9 +173,9 @@ pub fn render(
 ) -> Result<Picture, RenderError> {
     let look = look(&scene.film)?;
     let job = Job::new(scene, settings, Layers::default())?;
-    let mut work = Work::new(&job, job.whole())?;
+    let mut work = Work::new(&job, job.whole(), &Room::default())?;
     match work.run(&job, settings.threads, progress)? {
-        Outcome::Finished => Ok(Picture::new(work.film(), look, *work.statistics())),
+        Outcome::Finished => Ok(Picture::new(&*work.sums().film()?, look, *work.statistics())),
         Outcome::Stopped => Err(RenderError::Cancelled),
     }
 }

@@ -7,12 +7,12 @@ use std::{
 };
 
 use rayon::prelude::*;
-use rondure_film::{Film, Pass, Portion, Share, Statistics, Window};
+use rondure_film::{Pass, Portion, Room, Share, Spool, Statistics, Window};
 
 use crate::{
     Progress, RenderError,
-    adaptive::Blocks,
-    job::{Job, Prepared},
+    adaptive::{Blocks, are_whole},
+    job::{Job, Prepared, TileSums},
 };
 
 /// The edge of a tile, in pixels.
@@ -28,13 +28,13 @@ pub enum Outcome {
 }
 
 /// A portion of a picture, as far as it is done.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Work {
     portion: Portion,
     tiles: Vec<Window>,
     /// For each tile the number of the next sample.
     next: Vec<u32>,
-    film: Film,
+    sums: Spool,
     statistics: Statistics,
     /// The error at which a block of pixels has enough samples.
     noise: Option<f64>,
@@ -47,7 +47,7 @@ pub struct Snapshot<'a> {
     tiles: &'a [Window],
     next: &'a [u32],
     /// The sums.
-    pub film: &'a Film,
+    pub sums: &'a Spool,
     /// The work that went into them.
     pub statistics: &'a Statistics,
 }
@@ -78,7 +78,7 @@ fn done(portion: &Portion, tiles: &[Window], next: &[u32]) -> f64 {
 
 /// What the threads share.
 struct Shared<'a> {
-    film: &'a mut Film,
+    sums: &'a mut Spool,
     statistics: &'a mut Statistics,
     next: &'a mut [u32],
 }
@@ -93,31 +93,36 @@ struct Todo<'a> {
 }
 
 impl Work {
-    /// A portion of the job's picture, not begun.
+    /// A portion of the job's picture, not begun; its sums have this room.
     ///
     /// # Errors
-    /// If it has nothing in it or is not in the picture, or its film does not fit into memory.
-    pub fn new(job: &Job<'_>, portion: Portion) -> Result<Self, RenderError> {
-        Self::with_tiles(job, portion, TILE)
+    /// If it has nothing in it or is not in the picture, or there is not enough room.
+    pub fn new(job: &Job<'_>, portion: Portion, room: &Room) -> Result<Self, RenderError> {
+        Self::with_tiles(job, portion, room, TILE)
     }
 
     /// The same with tiles of `edge` pixels (at least 1) instead of 32. The picture does not depend on it.
     ///
     /// # Errors
     /// As [`new`](Self::new).
-    pub fn with_tiles(job: &Job<'_>, portion: Portion, edge: u32) -> Result<Self, RenderError> {
-        let film = Film::new(job.size(), portion.window, job.layers())?;
+    pub fn with_tiles(
+        job: &Job<'_>,
+        portion: Portion,
+        room: &Room,
+        edge: u32,
+    ) -> Result<Self, RenderError> {
+        let sums = Spool::new(job.size(), portion.window, job.layers(), room)?;
         if portion.samples.is_empty() {
             let [width, height] = job.size();
             return Err(RenderError::EmptyFilm { width, height, spp: 0 });
         }
-        Ok(Self::begun(portion, edge, film, Statistics::default()))
+        Ok(Self::begun(portion, edge, sums, Statistics::default()))
     }
 
-    fn begun(portion: Portion, edge: u32, film: Film, statistics: Statistics) -> Self {
+    fn begun(portion: Portion, edge: u32, sums: Spool, statistics: Statistics) -> Self {
         let tiles: Vec<_> = portion.window.tiles(edge).collect();
         let next = vec![portion.samples.start; tiles.len()];
-        Self { portion, tiles, next, film, statistics, noise: None }
+        Self { portion, tiles, next, sums, statistics, noise: None }
     }
 
     /// The work that a share was cut from, to go on with it: the share must be of the job's picture, and have been written from a
@@ -126,12 +131,12 @@ impl Work {
     /// # Errors
     /// If it was not.
     pub fn resume(job: &Job<'_>, portion: Portion, share: Share) -> Result<Self, RenderError> {
-        let Share { covered, film, statistics, .. } = share;
-        let own = film.size() == job.size() && film.layers() == job.layers();
-        if !own || film.window() != portion.window {
+        let Share { covered, sums, statistics, .. } = share;
+        let own = sums.size() == job.size() && sums.layers() == job.layers();
+        if !own || sums.window() != portion.window {
             return Err(RenderError::OtherPortion);
         }
-        let mut work = Self::begun(portion, TILE, film, statistics);
+        let mut work = Self::begun(portion, TILE, sums, statistics);
         let places: HashMap<_, _> = work.tiles.iter().copied().zip(0..).collect();
         for Portion { window, samples } in covered {
             let &tile: &usize = places.get(&window).ok_or(RenderError::OtherPortion)?;
@@ -149,9 +154,10 @@ impl Work {
     /// invisible. The picture depends on the limit, but not on threads, tiles or interruptions.
     ///
     /// # Errors
-    /// If the portion is not the whole picture, or the film does not keep the variance.
+    /// If the portion is not of whole blocks of [`NOISE_BLOCK`](crate::NOISE_BLOCK) pixels with all their samples, or the film does not keep the variance.
     pub fn until(mut self, job: &Job<'_>, noise: f64) -> Result<Self, RenderError> {
-        if self.portion != job.whole() {
+        let whole = are_whole(&self.portion.window, job.size());
+        if !whole || self.portion.samples != job.whole().samples {
             return Err(RenderError::NoisePart);
         }
         if !job.layers().variance {
@@ -162,8 +168,8 @@ impl Work {
     }
 
     /// The sums so far.
-    pub fn film(&self) -> &Film {
-        &self.film
+    pub fn sums(&self) -> &Spool {
+        &self.sums
     }
 
     /// The work that went into them.
@@ -177,7 +183,7 @@ impl Work {
             portion: &self.portion,
             tiles: &self.tiles,
             next: &self.next,
-            film: &self.film,
+            sums: &self.sums,
             statistics: &self.statistics,
         }
     }
@@ -192,13 +198,13 @@ impl Work {
         threads: Option<usize>,
         progress: &dyn Progress,
     ) -> Result<Outcome, RenderError> {
+        let parallel = threads != Some(1);
         match threads {
-            Some(1) => self.passes(job, false, progress),
             Some(threads) => rayon::ThreadPoolBuilder::new()
                 .num_threads(threads)
                 .build()?
-                .install(|| self.passes(job, true, progress)),
-            None => self.passes(job, true, progress),
+                .install(|| self.passes(job, parallel, progress)),
+            None => self.passes(job, parallel, progress),
         }
     }
 
@@ -215,14 +221,16 @@ impl Work {
                 continue;
             }
             let exposure = job.scene().film.exposure;
-            let blocks = |noise| Blocks::new(&self.film, noise, exposure, samples.start);
-            let blocks = self.noise.map(blocks);
+            let blocks = |noise| Blocks::new(&self.sums, noise, exposure, samples.start);
+            let blocks = self.noise.map(blocks).transpose()?;
             if blocks.as_ref().is_some_and(Blocks::is_done) {
                 self.next.fill(self.portion.samples.end);
                 break;
             }
             let todo = Todo { samples: &samples, tiles: &left, blocks: blocks.as_ref() };
-            match self.pass(job, &job.prepare(pass), &todo, parallel, progress) {
+            let prepared = job.prepare(pass, progress);
+            let made = prepared.and_then(|p| self.pass(job, &p, &todo, parallel, progress));
+            match made {
                 Err(RenderError::Cancelled) => return Ok(Outcome::Stopped),
                 other => other?,
             }
@@ -243,7 +251,7 @@ impl Work {
         let (portion, tiles) = (&self.portion, self.tiles.as_slice());
         let starts = self.next.clone();
         let shared = Mutex::new(Shared {
-            film: &mut self.film,
+            sums: &mut self.sums,
             statistics: &mut self.statistics,
             next: &mut self.next,
         });
@@ -253,19 +261,19 @@ impl Work {
             }
             let todo = starts[i].max(samples.start)..samples.end;
             let windows = blocks.map_or_else(|| vec![tiles[i]], |blocks| blocks.of_tile(tiles[i]));
-            let sums = windows
+            let tile_sums = windows
                 .into_iter()
                 .map(|window| job.tile(prepared, window, &todo, progress))
                 .collect::<Result<Vec<_>, _>>()?;
             // Whoever panicked while holding the lock ends the whole work.
             let mut shared = shared.lock().unwrap_or_else(PoisonError::into_inner);
-            for sums in sums {
-                shared.film.merge(&sums.film)?;
-                shared.statistics.add(&sums.statistics);
+            for TileSums { film, statistics } in tile_sums {
+                shared.sums.merge(&film)?;
+                shared.statistics.add(&statistics);
             }
             shared.next[i] = todo.end;
-            let Shared { film, statistics, next } = &*shared;
-            let so_far = Snapshot { portion, tiles, next, film, statistics };
+            let Shared { sums, statistics, next } = &*shared;
+            let so_far = Snapshot { portion, tiles, next, sums, statistics };
             progress.advance(so_far.done());
             progress.landed(&so_far);
             Ok(())

@@ -8,8 +8,8 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use common::{Build, WHITE, matte, scene};
 use rondure::Vec3;
-use rondure_film::{Film, Layers, Portion, Window};
-use rondure_render::{Job, Outcome, Progress, RenderError, Settings, Work};
+use rondure_film::{Film, Layers, Portion, Room, Share, Window};
+use rondure_render::{Job, NOISE_BLOCK, Outcome, Progress, RenderError, Settings, Work};
 use rondure_scene::{Integrator, Light, Projection, Scene, Shape};
 
 const NOISE: f64 = 0.02;
@@ -33,7 +33,7 @@ fn settings() -> Settings {
 }
 
 fn work(job: &Job<'_>, edge: u32) -> Work {
-    Work::with_tiles(job, job.whole(), edge).unwrap().until(job, NOISE).unwrap()
+    Work::with_tiles(job, job.whole(), &Room::default(), edge).unwrap().until(job, NOISE).unwrap()
 }
 
 fn samples(film: &Film) -> Vec<u32> {
@@ -57,7 +57,7 @@ fn threads_tiles_and_interruptions_change_no_bit() {
     let film = |edge, threads| {
         let mut work = work(&job, edge);
         assert_eq!(work.run(&job, Some(threads), &()).unwrap(), Outcome::Finished);
-        work.film().clone()
+        work.sums().film().unwrap().into_owned()
     };
     let whole = film(32, 1);
     let counts = samples(&whole);
@@ -65,6 +65,12 @@ fn threads_tiles_and_interruptions_change_no_bit() {
     for (edge, threads) in [(5, 2), (8, 1), (13, 2), (100, 1)] {
         assert!(whole == film(edge, threads), "{edge} {threads}");
     }
+    // Sums that are not in memory.
+    let room = Room { memory: 0, ..Room::default() };
+    let mut scratch =
+        Work::with_tiles(&job, job.whole(), &room, 13).unwrap().until(&job, NOISE).unwrap();
+    scratch.run(&job, Some(2), &()).unwrap();
+    assert!(*scratch.sums().film().unwrap() == whole);
     // Tiles that cut blocks, and stops in the middle of passes.
     let mut work = work(&job, 5);
     let mut runs = 0;
@@ -73,7 +79,7 @@ fn threads_tiles_and_interruptions_change_no_bit() {
         runs += 1;
         assert!(runs < 1000);
     }
-    assert!(runs > 10 && *work.film() == whole, "{runs}");
+    assert!(runs > 10 && *work.sums().film().unwrap() == whole, "{runs}");
 }
 
 #[test]
@@ -82,7 +88,7 @@ fn samples_go_where_the_noise_is() {
     let job = Job::new(&scene, &settings(), Layers::ALL).unwrap();
     let mut adaptive = work(&job, 32);
     adaptive.run(&job, None, &()).unwrap();
-    let film = adaptive.film();
+    let film = &*adaptive.sums().film().unwrap();
     // The sky has no noise, the shadow below the ball has.
     assert_eq!(film.samples(3, 3), 16);
     assert!(film.samples(18, 24) > 64, "{}", film.samples(18, 24));
@@ -99,10 +105,34 @@ fn samples_go_where_the_noise_is() {
 fn what_has_no_noise_to_judge_is_refused() {
     let scene = still(32);
     let few = Job::new(&scene, &settings(), Layers { variance: false, guides: true }).unwrap();
-    let until = |job: &Job<'_>, portion| Work::new(job, portion).unwrap().until(job, NOISE);
+    let until = |job: &Job<'_>, portion| {
+        Work::new(job, portion, &Room::default()).unwrap().until(job, NOISE)
+    };
     assert!(matches!(until(&few, few.whole()), Err(RenderError::NoVariance)));
     let job = Job::new(&scene, &settings(), Layers::ALL).unwrap();
-    let window = Window { x: 0, y: 0, width: 8, height: 8 };
-    let part = Portion { window, ..job.whole() };
-    assert!(matches!(until(&job, part), Err(RenderError::NoisePart)));
+    let part =
+        |x, y, width, height| Portion { window: Window { x, y, width, height }, ..job.whole() };
+    for cut in [part(0, 0, 7, 8), part(0, 0, 8, 9), part(1, 0, 7, 8), part(40, 32, 4, 2)] {
+        assert!(matches!(until(&job, cut), Err(RenderError::NoisePart)));
+    }
+    let early = Portion { samples: 0..16, ..job.whole() };
+    assert!(matches!(until(&job, early), Err(RenderError::NoisePart)));
+    assert!(until(&job, part(40, 32, 4, 3)).is_ok());
+}
+
+#[test]
+fn parts_make_the_whole() {
+    let scene = still(80);
+    let job = Job::new(&scene, &settings(), Layers::ALL).unwrap();
+    let mut whole = work(&job, 32);
+    whole.run(&job, None, &()).unwrap();
+    let mut sum = Film::new(job.size(), job.whole().window, Layers::ALL).unwrap();
+    for k in [4, 1, 5, 3, 2] {
+        let part = Share::portion(&job.whole(), k, 5, NOISE_BLOCK).unwrap();
+        let mut work = Work::new(&job, part, &Room::default()).unwrap().until(&job, NOISE).unwrap();
+        work.run(&job, None, &()).unwrap();
+        assert_eq!(work.snapshot().done(), 1.0);
+        sum.merge(&work.sums().film().unwrap()).unwrap();
+    }
+    assert!(*whole.sums().film().unwrap() == sum);
 }

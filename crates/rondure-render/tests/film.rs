@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use common::{Build, WHITE, matte, scene};
 use rondure::Vec3;
-use rondure_film::{Film, Layers, Portion, Window};
+use rondure_film::{Film, Layers, Portion, Room, Window};
 use rondure_render::{Job, Outcome, Progress, Settings, Snapshot, Work};
 use rondure_scene::{Glass, Integrator, Lens, Light, Material, Paint, Projection, Scene, Shape};
 
@@ -42,9 +42,9 @@ fn settings() -> Settings {
 }
 
 fn finished(job: &Job<'_>, portion: Portion, edge: u32, threads: usize) -> Film {
-    let mut work = Work::with_tiles(job, portion, edge).unwrap();
+    let mut work = Work::with_tiles(job, portion, &Room::default(), edge).unwrap();
     assert_eq!(work.run(job, Some(threads), &()).unwrap(), Outcome::Finished);
-    work.film().clone()
+    work.sums().film().unwrap().into_owned()
 }
 
 #[test]
@@ -56,6 +56,24 @@ fn threads_and_tiles_change_no_bit() {
         for (edge, threads) in [(1, 2), (7, 1), (8, 2), (32, 2), (1000, 1), (u32::MAX, 2)] {
             assert!(film == finished(&job, job.whole(), edge, threads), "{edge} {threads}");
         }
+    }
+}
+
+/// Sums in a scratch file.
+fn scratch(folder: &tempfile::TempDir) -> Room {
+    Room { memory: 0, folder: folder.path().to_owned() }
+}
+
+#[test]
+fn pictures_without_memory_have_the_same_bits() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = bright(37, 41, 3);
+    let job = Job::new(&scene, &settings(), Layers::ALL).unwrap();
+    let film = finished(&job, job.whole(), 32, 1);
+    for (edge, threads) in [(32, 2), (7, 1), (100, 2)] {
+        let mut work = Work::with_tiles(&job, job.whole(), &scratch(&folder), edge).unwrap();
+        assert_eq!(work.run(&job, Some(threads), &()).unwrap(), Outcome::Finished);
+        assert!(*work.sums().film().unwrap() == film, "{edge} {threads}");
     }
 }
 
@@ -121,7 +139,7 @@ fn work_goes_on_where_it_was_stopped() {
     let job = Job::new(&scene, &settings(), Layers::ALL).unwrap();
     let film = finished(&job, job.whole(), 32, 1);
     for threads in [1, 2] {
-        let mut work = Work::with_tiles(&job, job.whole(), 8).unwrap();
+        let mut work = Work::with_tiles(&job, job.whole(), &Room::default(), 8).unwrap();
         let mut stops = 0;
         for i in 0.. {
             let fuse = Fuse { left: (5 + 7 * i).into(), at_once: i % 2 == 0 };
@@ -131,7 +149,58 @@ fn work_goes_on_where_it_was_stopped() {
             }
         }
         assert!(stops > 3);
-        assert!(*work.film() == film);
+        assert!(*work.sums().film().unwrap() == film);
+    }
+}
+
+/// Stops after some reports of what is made before a pass.
+struct Impatient {
+    left: AtomicU32,
+    at_once: bool,
+    seen: AtomicU32,
+}
+
+impl Impatient {
+    fn is_gone(&self) -> bool {
+        self.left.load(Ordering::Relaxed) == 0
+    }
+}
+
+impl Progress for Impatient {
+    fn preparing(&self, done: f64) {
+        assert!((0.0..=1.0).contains(&done));
+        self.seen.fetch_add(1, Ordering::Relaxed);
+        let _ = self.left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |n| n.checked_sub(1));
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.at_once && self.is_gone()
+    }
+
+    fn is_enough(&self) -> bool {
+        !self.at_once && self.is_gone()
+    }
+
+    fn landed(&self, _: &Snapshot<'_>) {
+        assert!(!self.is_gone(), "photons were made to the end");
+    }
+}
+
+#[test]
+fn photons_can_be_interrupted() {
+    let scene = bright(17, 11, 3);
+    let job = Job::new(&scene, &settings(), Layers::ALL).unwrap();
+    let film = finished(&job, job.whole(), 32, 1);
+    for (threads, at_once) in [(1, true), (1, false), (2, true), (2, false)] {
+        let mut work = Work::new(&job, job.whole(), &Room::default()).unwrap();
+        let patience = |left: u32| Impatient { left: left.into(), at_once, seen: 0.into() };
+        let progress = patience(3);
+        assert_eq!(work.run(&job, Some(threads), &progress).unwrap(), Outcome::Stopped);
+        assert_eq!(work.snapshot().done(), 0.0);
+        let seen = progress.seen.load(Ordering::Relaxed);
+        assert!((3..10).contains(&seen), "{seen}");
+        assert_eq!(work.run(&job, Some(threads), &patience(u32::MAX)).unwrap(), Outcome::Finished);
+        assert!(*work.sums().film().unwrap() == film);
     }
 }
 

@@ -27,10 +27,13 @@ pub(crate) struct Animate {
 
 impl Animate {
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        let scene = self.args.read()?;
+        let scene = self.args.scene.read()?;
         let (Some(first), Some(last)) = (scene.keys.first(), scene.keys.last()) else {
             return Err(Failure::new(
-                format!("the camera of `{}` has no keys to move along", self.args.scene.display()),
+                format!(
+                    "the camera of `{}` has no keys to move along",
+                    self.args.scene.path.display()
+                ),
                 "write [[camera.key]] tables with `time` and `eye`, or use rondure turntable",
             ));
         };

@@ -14,35 +14,24 @@ use std::{
 };
 
 use clap::Args;
-use rondure::EngineOptions;
-use rondure_image::{
-    Image,
-    png::{self, Signals},
-};
-use rondure_render::{Picture, Progress, Settings, render};
+use rondure_image::{Depth, Image, png};
+use rondure_render::{Progress, render};
 use rondure_scene::{Camera, Scene};
 use sha2::{Digest, Sha256};
 
 pub(crate) use self::{animate::Animate, turntable::Turntable};
 use crate::{
-    engine::EngineArgs,
     failure::Failure,
     interrupt,
-    look::LookArgs,
     picture::cannot_write,
     progress::{Watcher, seconds},
-    render::{Size, cannot_render},
-    scene,
-    threads::Threads,
+    render::cannot_render,
+    scene::SceneArgs,
 };
 
 /// What turntables and animations have in common.
 #[derive(Debug, Args)]
 pub(crate) struct FrameArgs {
-    /// The scene file
-    #[arg(value_name = "SCENE.toml")]
-    scene: PathBuf,
-
     /// The folder for the frames and what is made of them; made if it is not there
     #[arg(short, long, value_name = "FOLDER")]
     output: Option<PathBuf>,
@@ -51,30 +40,8 @@ pub(crate) struct FrameArgs {
     #[arg(long, value_name = "N", default_value_t = 24.0, value_parser = rate)]
     fps: f64,
 
-    /// The frames' size in pixels, instead of the scene's
-    #[arg(long, value_name = "WxH")]
-    size: Option<Size>,
-
-    /// How many samples to take in each pixel, instead of the scene's number
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
-    spp: Option<u32>,
-
     #[command(flatten)]
-    look: LookArgs,
-
-    #[command(flatten)]
-    threads: Threads,
-
-    #[command(flatten)]
-    engine: EngineArgs,
-
-    /// Chooses other random numbers: another noise in the frames
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    seed: u64,
-
-    /// Say nothing unless something is wrong
-    #[arg(short, long)]
-    quiet: bool,
+    scene: SceneArgs,
 }
 
 fn rate(text: &str) -> Result<f64, String> {
@@ -88,29 +55,10 @@ const MARK: &str = "Rondure frame";
 const MOST_FRAMES: usize = 100_000;
 
 impl FrameArgs {
-    fn read(&self) -> Result<Scene, Failure> {
-        let mut scene = scene::read(&self.scene)?;
-        if let Some(Size { width, height }) = self.size {
-            (scene.film.width, scene.film.height) = (width, height);
-        }
-        scene.film.spp = self.spp.unwrap_or(scene.film.spp);
-        self.look.apply(&mut scene.film);
-        let engine = self.engine.options();
-        if engine != EngineOptions::default() {
-            scene.set_engine(&engine);
-        }
-        Ok(scene)
-    }
-
     /// The folder that was asked for, or one in the current folder called after the scene.
     fn folder(&self, kind: &str) -> Result<PathBuf, Failure> {
-        match (&self.output, self.scene.file_stem()) {
-            (Some(folder), _) => Ok(folder.clone()),
-            (None, Some(stem)) => Ok(format!("{}-{kind}", stem.to_string_lossy()).into()),
-            (None, None) => {
-                Err(Failure::new("the frames have no folder", "give one with -o FOLDER"))
-            }
-        }
+        let name = self.scene.name(self.output.as_ref(), format!("-{kind}").as_ref());
+        name.ok_or_else(|| Failure::new("the frames have no folder", "give one with -o FOLDER"))
     }
 }
 
@@ -144,7 +92,7 @@ impl<'a> Sequence<'a> {
             scene.camera = camera.clone();
         }
         let version = env!("CARGO_PKG_VERSION");
-        let common = hash(&format!("{version} {} {scene:?}", args.seed));
+        let common = hash(&format!("{version} {} {scene:?}", args.scene.seed));
         Ok(Self { args, folder, scene, cameras, common })
     }
 
@@ -153,11 +101,11 @@ impl<'a> Sequence<'a> {
         let missing: Vec<usize> =
             (0..self.cameras.len()).filter(|i| self.kept(*i).is_none()).collect();
         let kept = self.cameras.len() - missing.len();
-        if kept > 0 && !self.args.quiet {
+        if kept > 0 && !self.args.scene.quiet {
             anstream::eprintln!("{kept} of {} frames are there already", self.cameras.len());
         }
         let cancelled = interrupt::flag();
-        let watcher = Watcher::new(self.args.quiet, &cancelled);
+        let watcher = Watcher::new(self.args.scene.quiet, &cancelled);
         let start = Instant::now();
         for (done, i) in missing.iter().enumerate() {
             let progress = Part { inner: &watcher, done, all: missing.len() };
@@ -179,7 +127,7 @@ impl<'a> Sequence<'a> {
         let mut made = vec![sheet::make(&self)?, movie::make_animation(&self)?];
         let film = movie::make_film(&self)?;
         made.extend(film.clone());
-        if !self.args.quiet {
+        if !self.args.scene.quiet {
             anstream::eprintln!(
                 "{}: {} frames, {} made in {}",
                 self.folder.display(),
@@ -245,19 +193,13 @@ impl<'a> Sequence<'a> {
 
     fn make(&mut self, i: usize, progress: &dyn Progress) -> Result<(), Failure> {
         self.scene.camera = self.cameras[i].clone();
-        let settings = Settings { threads: self.args.threads.number(), seed: self.args.seed };
-        let picture = render(&self.scene, &settings, progress).map_err(cannot_render)?;
+        let picture =
+            render(&self.scene, &self.args.scene.settings(), progress).map_err(cannot_render)?;
         let path = self.path(i);
         let texts = [(MARK.to_owned(), self.mark(i))];
-        png::write(&path, self.size(), &signals(&picture, self.scene.film.bits), &texts)
-            .map_err(|error| cannot_write(&path, error))
-    }
-}
-
-fn signals(picture: &Picture, bits: u8) -> Signals {
-    match bits {
-        16 => Signals::Sixteen(picture.to_srgb16()),
-        _ => Signals::Eight(picture.to_srgb8()),
+        let depth = Depth::of_bits(self.scene.film.bits).unwrap_or_default();
+        let signals = picture.image().signals(picture.look(), depth);
+        png::write(&path, self.size(), &signals, &texts).map_err(|error| cannot_write(&path, error))
     }
 }
 
@@ -275,6 +217,10 @@ struct Part<'a> {
 impl Progress for Part<'_> {
     fn advance(&self, done: f64) {
         self.inner.advance((self.done as f64 + done) / self.all as f64);
+    }
+
+    fn preparing(&self, done: f64) {
+        self.inner.preparing(done);
     }
 
     fn is_cancelled(&self) -> bool {

@@ -2,11 +2,7 @@
 
 use std::path::PathBuf;
 
-use rondure_image::{
-    Image,
-    png::{self, Signals},
-    tone,
-};
+use rondure_image::{Image, Signals, png, tone};
 
 use super::{Sequence, product};
 use crate::{failure::Failure, picture::cannot_write};

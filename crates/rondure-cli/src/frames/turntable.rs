@@ -38,7 +38,7 @@ fn angle(text: &str) -> Result<f64, String> {
 
 impl Turntable {
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        let scene = self.args.read()?;
+        let scene = self.args.scene.read()?;
         // The frame that would close the circle is the first again; of an arc, the last is its end.
         let whole = self.degrees % 360.0 == 0.0;
         let steps = if whole { self.frames } else { self.frames.saturating_sub(1).max(1) };

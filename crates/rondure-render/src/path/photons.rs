@@ -9,6 +9,8 @@
 //!
 //! The photons of a pass are a function of the scene, the seed and the pass alone.
 
+use std::sync::atomic::{AtomicU32, Ordering};
+
 use rayon::prelude::*;
 use rondure::Vec3;
 
@@ -32,6 +34,8 @@ const FIRST_RADIUS: f64 = 0.03;
 const PER_SAMPLE: f64 = 0.25;
 const FEWEST: f64 = 2e4;
 const MOST: f64 = 1e6;
+/// So many are sent out between two looks at whether to go on.
+const AT_A_TIME: u32 = 1024;
 /// The way, as part of the radius of its target, from which on a photon counts in a larger radius.
 const WIDENS_FROM: f64 = 3.0;
 /// The greatest of the powers of two by which the radius of photons grows that come from far.
@@ -156,16 +160,28 @@ pub(crate) struct Volley {
 }
 
 impl Photons {
-    pub(crate) fn new(world: &World, aim: &Aim, volley: &Volley) -> Self {
+    /// Sends photons out; `None` if `go_on`, which is told now and then what share of them is through, says no.
+    pub(crate) fn new(
+        world: &World,
+        aim: &Aim,
+        volley: &Volley,
+        go_on: &(dyn Fn(f64) -> bool + Sync),
+    ) -> Option<Self> {
         let count = (volley.samples * PER_SAMPLE).clamp(FEWEST, MOST) as u32;
-        let found: Vec<Vec<Photon>> = (0..count)
+        let through = AtomicU32::new(0);
+        let shoot_some = |first: u32| {
+            let some = first..count.min(first + AT_A_TIME);
+            let before = through.fetch_add(some.len() as u32, Ordering::Relaxed);
+            let found = || some.flat_map(|i| shoot(world, aim, volley, i, count)).collect();
+            go_on(f64::from(before) / f64::from(count)).then(found)
+        };
+        let found: Option<Vec<Vec<Photon>>> = (0..count.div_ceil(AT_A_TIME))
             .into_par_iter()
-            .with_min_len(256)
-            .map(|i| shoot(world, aim, volley, i, count))
+            .map(|i| shoot_some(i * AT_A_TIME))
             .collect();
         // The area shrinks by the third root of the number of samples.
         let radius = FIRST_RADIUS * aim.size * f64::from(volley.first + 1).powf(-1.0 / 6.0);
-        Self::sorted(aim.clone(), radius, found.into_iter().flatten().collect())
+        Some(Self::sorted(aim.clone(), radius, found?.into_iter().flatten().collect()))
     }
 
     fn sorted(aim: Aim, radius: f64, photons: Vec<Photon>) -> Self {
