@@ -89,8 +89,8 @@ impl<'a> FromIterator<&'a Ray> for RayColumns {
 }
 
 /// The closest hits of many rays: t, piece and s as in [`Hit`], each in a slice of its own. Where a ray
-/// hits nothing t is infinite.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// hits nothing t is infinite, and piece and s mean nothing.
+#[derive(Clone, Debug, Default)]
 pub struct Hits {
     /// The ray parameters.
     pub t: Vec<f64>,
@@ -114,9 +114,8 @@ impl Hits {
     pub(crate) fn clear(&mut self, len: usize) {
         self.t.clear();
         self.t.resize(len, f64::INFINITY);
-        self.piece.clear();
+        // What is there already is left: writing it would take as long as telling which rays miss.
         self.piece.resize(len, 0);
-        self.s.clear();
         self.s.resize(len, 0.0);
     }
 

@@ -5,7 +5,7 @@ use fearless_simd::{Simd, dispatch};
 
 use super::Wide;
 use super::lot::Lot;
-use super::near::{Near, WIDTH};
+use super::near::{Near, WIDTH, pass};
 use super::packet::{Packet, SIXTEEN};
 use crate::batch::{Hits, Rays};
 use crate::frame::Frame;
@@ -51,6 +51,9 @@ impl Wide {
         let mut lot = Lot::new();
         let whole = whole(frame, rays.len());
         for start in (0..whole).step_by(SIXTEEN) {
+            if pass(simd, self, rays, start) && pass(simd, self, rays, start + WIDTH) {
+                continue;
+            }
             let near = [
                 Near::new(simd, self, frame, rays, start),
                 Near::new(simd, self, frame, rays, start + WIDTH),
@@ -59,7 +62,7 @@ impl Wide {
             if near[0].meets | near[1].meets != 0 {
                 match Packet::new(simd, &near) {
                     Some(packet) => {
-                        self.closest_together(simd, &packet, start, hits, &mut lot.single)
+                        self.closest_together(simd, &packet, start, hits, &mut lot.single);
                     }
                     None => {
                         lot.take(simd, &near[0], start);
@@ -96,6 +99,9 @@ impl Wide {
         let mut lot = Lot::new();
         let whole = whole(frame, count);
         for start in (0..whole).step_by(SIXTEEN) {
+            if pass(simd, self, rays, start) && pass(simd, self, rays, start + WIDTH) {
+                continue;
+            }
             let near = [
                 Near::new(simd, self, frame, rays, start),
                 Near::new(simd, self, frame, rays, start + WIDTH),

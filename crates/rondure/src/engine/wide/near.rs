@@ -92,6 +92,22 @@ impl<S: Simd> Near<S> {
     }
 }
 
+/// Whether eight rays surely pass the axis too far away, as [`passes`](super::course::passes) tells of one: half of what
+/// there is to know of them need not even be read.
+#[inline(always)]
+pub(super) fn pass<S: Simd>(simd: S, wide: &Wide, rays: &Rays<'_>, start: usize) -> bool {
+    let outline = &wide.outline;
+    let unit = splat(simd, outline.unit);
+    let ox = load(simd, rays.origin[0], start) * unit;
+    let oy = load(simd, rays.origin[1], start) * unit;
+    let dx = load(simd, rays.direction[0], start) * unit;
+    let dy = load(simd, rays.direction[1], start) * unit;
+    let k = ox * dy - oy * dx;
+    let reach2 = (dx * dx + dy * dy).mul_add(splat(simd, outline.reach2), splat(simd, VANISHING));
+    let near = ox.abs().max(oy.abs()).simd_le(splat(simd, NEAR));
+    (near & (k * k).simd_gt(reach2)).all_true()
+}
+
 #[inline(always)]
 fn load<S: Simd>(simd: S, column: &[f64], start: usize) -> f64x8<S> {
     f64x8::from_slice(simd, &column[start..start + WIDTH])

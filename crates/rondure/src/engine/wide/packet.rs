@@ -84,7 +84,9 @@ impl<'a, S: Simd> Packet<'a, S> {
         let length = (one.length2 as f32).sqrt();
         // Lengths of differences, or more.
         let [o_apart, d_apart] = [1.5 * o_across + o_along, 1.5 * d_across + d_along];
-        if !(d_apart <= 0.25 * length) {
+        // False where one is not a number.
+        let turned_little = d_apart <= 0.25 * length;
+        if !turned_little {
             return None;
         }
         // No ray is still near the surface after that.
