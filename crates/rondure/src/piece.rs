@@ -161,9 +161,10 @@ pub(crate) fn cut(segment: &Segment) -> Vec<Piece> {
         let mut end = if s1 == 1.0 { segment.end() } else { segment.point(s1) };
         // Rounding may carry a point of contact with the axis beyond it (see the builder's checks).
         end.r = end.r.max(0.0);
-        let piece = stretch(segment, [s0, s1], [start, end]);
-        if piece.r != [start.r; 4] || piece.z != [start.z; 4] {
-            pieces.push(piece);
+        // Neither r nor z turns between the ends: what ends where it began is a point, however its control points are
+        // rounded.
+        if end != start {
+            pieces.push(stretch(segment, [s0, s1], [start, end]));
             start = end;
         }
         s0 = s1;
