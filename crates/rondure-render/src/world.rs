@@ -404,7 +404,7 @@ impl World {
                 return true;
             }
         }
-        self.bodies.as_ref().is_some_and(|bodies| bodies.closest(&mut { *ray }).is_some())
+        self.bodies.as_ref().is_some_and(|bodies| bodies.any(ray))
     }
 
     /// Whether something that is not clear stands in the ray's range. Lamps never do.
