@@ -264,6 +264,12 @@ impl World {
         }
     }
 
+    /// Whether a finish has a relief.
+    #[inline]
+    pub(crate) fn has_relief(&self, finish: u32) -> bool {
+        matches!(self.reliefs.get(finish as usize), Some(Some(_)))
+    }
+
     fn body(&self, contact: &Contact) -> u32 {
         contact.thing - self.things.len() as u32
     }

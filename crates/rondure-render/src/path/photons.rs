@@ -9,14 +9,17 @@
 //!
 //! The photons of a pass are a function of the scene, the seed and the pass alone.
 
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::{
+    collections::HashMap,
+    sync::atomic::{AtomicU32, Ordering},
+};
 
 use rayon::prelude::*;
 use rondure::Vec3;
 
 use super::{
     media::Media,
-    vertex::{Vertex, is_dispersive},
+    vertex::{Draw, Vertex, is_dispersive},
 };
 use crate::{
     bsdf::{Kind, Wavelength},
@@ -40,6 +43,8 @@ const AT_A_TIME: u32 = 1024;
 const WIDENS_FROM: f64 = 3.0;
 /// The greatest of the powers of two by which the radius of photons grows that come from far.
 const HIGHEST_LEVEL: u32 = 7;
+/// The photons that a cell must hold for them to keep their radius.
+const ENOUGH: u32 = 8;
 /// How far from the plane of the surface a photon may lie, as part of the radius.
 const FLATNESS: f64 = 0.2;
 
@@ -181,7 +186,9 @@ impl Photons {
             .collect();
         // The area shrinks by the third root of the number of samples.
         let radius = FIRST_RADIUS * aim.size * f64::from(volley.first + 1).powf(-1.0 / 6.0);
-        Some(Self::sorted(aim.clone(), radius, found?.into_iter().flatten().collect()))
+        let mut photons: Vec<_> = found?.into_iter().flatten().collect();
+        widen(radius, &mut photons);
+        Some(Self::sorted(aim.clone(), radius, photons))
     }
 
     fn sorted(aim: Aim, radius: f64, photons: Vec<Photon>) -> Self {
@@ -257,6 +264,22 @@ impl Photons {
     }
 }
 
+/// Gives photons that lie far apart a larger radius, until some share a cell: one alone would be seen as a spot.
+fn widen(radius: f64, photons: &mut [Photon]) {
+    for level in 0..HIGHEST_LEVEL {
+        let place = |photon: &Photon| (photon.thing, cell(photon.point, radius_of(radius, level)));
+        let mut counts: HashMap<_, u32> = HashMap::new();
+        for photon in &*photons {
+            *counts.entry(place(photon)).or_default() += 1;
+        }
+        for photon in photons.iter_mut().filter(|photon| photon.level == level) {
+            if counts[&place(photon)] < ENOUGH {
+                photon.level += 1;
+            }
+        }
+    }
+}
+
 #[inline]
 fn radius_of(radius: f64, level: u32) -> f64 {
     radius * f64::from(1_u32 << level)
@@ -316,7 +339,7 @@ fn shoot(world: &World, aim: &Aim, volley: &Volley, i: u32, count: u32) -> Vec<P
             power = power * chosen.color();
             wavelength = Some(chosen);
         }
-        let draw = super::draw(&sample, key.child(7));
+        let draw = Draw::new(&sample, key.child(7));
         let vertex = Vertex::new(world, &ray, &contact, (finish, solid), &media, wavelength, &draw);
         if bounces > 0 {
             way += contact.t;
