@@ -34,9 +34,9 @@ def main():
     args.work.mkdir(parents=True, exist_ok=True)
     print(f"Mitsuba {mi.__version__}")
     for name in args.scenes:
-        oracle(name, args)
+        noise = oracle(name, args)
         if args.rounds:
-            race(name, args)
+            race(name, args, noise)
 
 
 def rondure(name, args, spp, seed, out):
@@ -104,13 +104,22 @@ def oracle(name, args):
         f"{name}: {int(inner.sum())} blocks of {inner.size}; mean light {inside:+.3%} there, {mean:+.3%} in the whole"
         f" picture; difference of a block {difference:.3%} (root mean square, noise taken out)"
     )
+    noise = [relative_noise(*pair) for pair in (ours, theirs)]
+    print(f"{name}: noise (relative variance) of one sample: Rondure {noise[0] * args.spp:.4f}, Mitsuba {noise[1] * args.spp:.4f}")
     if args.pictures:
         both = np.concatenate([0.5 * sum(ours), 0.5 * sum(theirs)], axis=1)
         srgb = np.where(both <= 0.0031308, 12.92 * both, 1.055 * np.maximum(both, 1e-9) ** (1 / 2.4) - 0.055)
         Image.fromarray((255 * srgb.clip(0, 1) + 0.5).astype(np.uint8)).save(args.pictures / f"mitsuba-{name}.png")
+    return noise
 
 
-def race(name, args):
+def relative_noise(a, b):
+    """Half the mean square of the difference of two pictures, relative to their light as in `rondure compare`."""
+    level = 0.5 * (a + b)
+    return float(np.mean((a - b) ** 2 / (level**2 + 0.01))) / 2
+
+
+def race(name, args, noise):
     import drjit as dr
 
     dr.set_thread_count(1)
@@ -135,7 +144,10 @@ def race(name, args):
     rates = {who: samples / statistics.median(t) for who, t in times.items() if t}
     for who, rate in rates.items():
         spread = f"{samples / max(times[who]) / 1e6:.3f} to {samples / min(times[who]) / 1e6:.3f}"
-        ratio = "" if who == "rondure" else f", Rondure is {rates['rondure'] / rate:.2f} times as fast"
+        ratio = ""
+        if who != "rondure":
+            fast = rates["rondure"] / rate
+            ratio = f": Rondure is {fast:.2f} times as fast, and {fast * noise[1] / noise[0]:.2f} times to the same noise"
         print(f"{name}: {who} {rate / 1e6:.3f} million samples a second ({spread}){ratio}")
 
 
