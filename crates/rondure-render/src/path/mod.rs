@@ -36,9 +36,13 @@ const ROULETTE_FROM: u32 = 3;
 /// chosen.
 const FEW_LAMPS: usize = 16;
 
-/// The scatterings after which a path branches no more, and the least weight of a branch.
+/// The scatterings after which a path branches no more.
 const SPLITS: u32 = 8;
-const SPLIT_WEIGHT: f64 = 0.01;
+/// A branch that can bring more than this part of white is followed, not left to chance: a lamp seen in it would be
+/// a spark.
+const SPLIT_LIGHT: f64 = 0.02;
+/// The weights between which the least is that a branch must have.
+const SPLIT_WEIGHTS: [f64; 2] = [0.0005, 0.01];
 
 // The random numbers of a place on a path, beside those of `Draw`: 1, 2 and 5.
 const NEXT: u32 = 0;
@@ -168,10 +172,9 @@ impl Tracer<'_> {
             *light += walk.weight * photons.gather(&vertex, contact.thing, left) / (index * index);
         }
         let splits = !walk.scattered && walk.depth < SPLITS;
-        let split = splits
-            .then(|| vertex.split())
-            .flatten()
-            .filter(|share| share.min(1.0 - share) * walk.weight.max_channel() >= SPLIT_WEIGHT);
+        let split = splits.then(|| vertex.split()).flatten().filter(|share| {
+            share.min(1.0 - share) * walk.weight.max_channel() >= self.least_branch()
+        });
         let branches = match split {
             Some(share) => [Some((0.0, share)), Some((share, 1.0 - share))],
             None => [Some((0.0, 1.0)), None],
@@ -208,6 +211,12 @@ impl Tracer<'_> {
             waiting.extend(next.replace(onwards));
         }
         next
+    }
+
+    /// The least weight of a branch that is followed.
+    fn least_branch(&self) -> f64 {
+        let [low, high] = SPLIT_WEIGHTS;
+        (SPLIT_LIGHT * self.world.white / self.world.brightest).clamp(low, high)
     }
 
     /// The light of the sky along the ray, as far as it was not looked for where the ray comes from.
