@@ -7,6 +7,7 @@ import argparse
 import resource
 import statistics
 import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -32,7 +33,12 @@ def main():
     options.add_argument("--pictures", type=Path, help="a folder for the pictures side by side")
     args = options.parse_args()
     args.work.mkdir(parents=True, exist_ok=True)
-    print(f"Mitsuba {mi.__version__}")
+    if len(args.scenes) > 1:
+        # Each in a process of its own: Dr.Jit does not come back from a change of its number of threads.
+        for name in args.scenes:
+            rest = [a for a in sys.argv if a not in args.scenes and a != "--scenes"]
+            subprocess.run([sys.executable, *rest, "--scenes", name], check=True)
+        return
     for name in args.scenes:
         noise = oracle(name, args)
         if args.rounds:
