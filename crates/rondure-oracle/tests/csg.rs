@@ -48,6 +48,41 @@ fn laws_of_sets_hold_exactly() {
     assert!(laws.laws.iter().filter(|law| law.spans > 15_000).count() >= 12, "{laws}");
 }
 
+/// What is asked for alone is the first of all, in whatever range, to the last bit.
+#[test]
+fn closest_is_the_first_end_of_the_spans() {
+    let mut random = Random::new(77);
+    let mut met = [0; 2];
+    for_solids(120, |[a, b, c], rays| {
+        let plane = Csg::half_space(random.cube(), random.direction());
+        let compounds = [
+            a.clone().intersection(plane),
+            a.clone().difference(b.clone()),
+            a.union(b).difference(c),
+        ];
+        for compound in compounds.map(|csg| csg.build().unwrap()) {
+            for ray in rays {
+                let ends = spans(&compound, &ray.whole());
+                let ends =
+                    ends.iter().flat_map(|s| [s.enter.t, s.exit.t]).filter(|t| t.is_finite());
+                let span = ends.fold([0.0, 1.0], |[a, b], t| [t.min(a), t.max(b)]);
+                let mut at = || span[0] + (span[1] - span[0]) * (1.4 * random.unit() - 0.2);
+                let (low, high) = (at(), at());
+                for ray in [*ray, ray.with_range(low.min(high), low.max(high))] {
+                    let first = spans(&compound, &ray)
+                        .into_iter()
+                        .flat_map(|s| [s.enter, s.exit])
+                        .find(|end| end.wall.is_some());
+                    assert_eq!(compound.closest(&ray), first, "{ray:?}");
+                    assert_eq!(compound.any(&ray), first.is_some());
+                    met[usize::from(first.is_some())] += 1;
+                }
+            }
+        }
+    });
+    assert!(met.iter().all(|count| *count > 6_000), "{met:?}");
+}
+
 /// Faces that coincide do so up to the rounding of where they are placed, and of where rays come from.
 #[test]
 fn faces_that_coincide_leave_no_splinters_wherever_they_are() {

@@ -120,6 +120,16 @@ impl Bodies {
         best
     }
 
+    /// Whether the ray meets any body.
+    pub(crate) fn any(&self, ray: &Ray) -> bool {
+        let mut found = false;
+        self.tree.walk(ray, |i| {
+            found = self.all[i as usize].any(ray);
+            if found { f64::NEG_INFINITY } else { ray.t_max }
+        });
+        found
+    }
+
     /// The finish at a place, at this point of the world.
     pub(crate) fn finish_at(&self, body: u32, place: &Place, point: Vec3) -> u32 {
         self.all[body as usize].finish_at(place, point)
@@ -181,7 +191,14 @@ impl Body {
                 let end = made.compound.closest(ray)?;
                 end.wall.map(|face| (end.t, Place::Face(face)))
             }
-            Kind::Sheet(sheet) => sheet.hits(ray).first().map(|hit| (hit.t, Place::Sheet(*hit))),
+            Kind::Sheet(sheet) => sheet.closest(ray).map(|hit| (hit.t, Place::Sheet(hit))),
+        }
+    }
+
+    fn any(&self, ray: &Ray) -> bool {
+        match &self.kind {
+            Kind::Solid(made) => made.compound.any(ray),
+            Kind::Sheet(sheet) => sheet.closest(ray).is_some(),
         }
     }
 
@@ -197,7 +214,7 @@ impl Body {
     fn blocks(&self, ray: &Ray, finishes: &[Finish]) -> bool {
         match (self.clarity, &self.kind) {
             (Clarity::All, _) => false,
-            (Clarity::None, _) => self.closest(ray).is_some(),
+            (Clarity::None, _) => self.any(ray),
             (Clarity::Some, Kind::Sheet(_)) => false,
             (Clarity::Some, Kind::Solid(made)) => made.spans(ray).iter().any(|span| {
                 [span.enter, span.exit].iter().any(|end| {
@@ -263,6 +280,19 @@ impl Made {
 }
 
 impl Sheet {
+    /// The first hit in the ray's range that lies within the region.
+    fn closest(&self, ray: &Ray) -> Option<Hit> {
+        let first = match &self.base {
+            Base::Turned(instance) => instance.closest(ray),
+            Base::Simple(shape) => shape.closest(ray),
+        }?;
+        if self.within.contains(ray.at(first.t)) {
+            return Some(first);
+        }
+        let behind = first.t.next_up();
+        self.hits(&ray.with_range(behind, ray.t_max)).first().copied()
+    }
+
     /// All hits in the ray's range that lie within the region, in order. Within rounding of its edge a
     /// hit may count or not.
     fn hits(&self, ray: &Ray) -> Vec<Hit> {

@@ -198,6 +198,7 @@ impl<'a> Job<'a> {
                     depth,
                     sample,
                     statistics: Statistics::default(),
+                    weighting: path::Weighting::default(),
                 };
                 let light = tracer.camera_ray(&ray);
                 statistics.add(&tracer.statistics);

@@ -264,6 +264,12 @@ impl World {
         }
     }
 
+    /// Whether a finish has a relief.
+    #[inline]
+    pub(crate) fn has_relief(&self, finish: u32) -> bool {
+        matches!(self.reliefs.get(finish as usize), Some(Some(_)))
+    }
+
     fn body(&self, contact: &Contact) -> u32 {
         contact.thing - self.things.len() as u32
     }
@@ -404,7 +410,7 @@ impl World {
                 return true;
             }
         }
-        self.bodies.as_ref().is_some_and(|bodies| bodies.closest(&mut { *ray }).is_some())
+        self.bodies.as_ref().is_some_and(|bodies| bodies.any(ray))
     }
 
     /// Whether something that is not clear stands in the ray's range. Lamps never do.

@@ -74,6 +74,9 @@ pub(crate) struct Layered {
     all: Albedo,
     /// The mean albedo of a white metal, before what bounces twice between its microfacets.
     metal_alone: f64,
+    /// The mean reflectance of a measured metal, which takes long to find.
+    measured_mean: Rgb,
+    is_even: bool,
 }
 
 /// The probabilities of the lobes.
@@ -113,7 +116,23 @@ impl Layered {
         let base = reflected(gloss.lobe, white, through);
         let all = Albedo::from_fn(|cos| fuzz_alone.get(cos) + coat.get(cos) + base.get(cos));
         let metal_alone = reflected(gloss.lobe, |_| 1.0, |_, _| 1.0).mean();
-        Self { layers, fuzz_alone, coat_alone, coat, base, all, metal_alone }
+        let is_even = layers.fuzz.is_none()
+            && layers.coat.is_none()
+            && layers.coat_color == Rgb::WHITE
+            && gloss.strength == 0.0
+            && metalness == 0.0;
+        let measured_mean = layers.metal.mean(Rgb::WHITE);
+        Self {
+            layers,
+            fuzz_alone,
+            coat_alone,
+            coat,
+            base,
+            all,
+            metal_alone,
+            measured_mean,
+            is_even,
+        }
     }
 
     /// Whether some lobe is of a kind.
@@ -170,12 +189,22 @@ impl Layered {
         let mut sum = color * (1.0 - metalness);
         if *metalness > 0.0 {
             // Once more reflected after each bounce between the microfacets (Kulla and Conty 2017).
-            let (mean, alone) = (metal.mean(color), self.metal_alone);
+            let mean = match metal {
+                Metal::Tinted => metal.mean(color),
+                Metal::Measured { .. } => self.measured_mean,
+            };
+            let alone = self.metal_alone;
             let again =
                 |f: f64| if f < 1.0 { f * f * alone / (1.0 - f * (1.0 - alone)) } else { 1.0 };
             sum += mean.map(again) * *metalness;
         }
         sum * *coat_color
+    }
+
+    /// Whether there is nothing but a base that scatters evenly (Lambert).
+    #[inline]
+    pub(crate) fn is_even(&self) -> bool {
+        self.is_even
     }
 
     #[inline]
@@ -205,6 +234,14 @@ impl Layered {
     /// mirrors send nothing.
     #[inline]
     pub(crate) fn evaluate(&self, wo: Vec3, wi: Vec3, color: Rgb) -> Parts {
+        if self.is_even {
+            let mut parts = Parts::default();
+            if wo.z > 0.0 && wi.z > 0.0 {
+                let even = wi.z * core::f64::consts::FRAC_1_PI;
+                parts.add(Kind::Wide, color * even, even);
+            }
+            return parts;
+        }
         match self.shares(wo.z, color) {
             Some(shares) => self.value(shares, wo, wi, color),
             None => Parts::default(),
@@ -244,6 +281,9 @@ impl Layered {
 
     /// The part of the choices in [`sample`](Self::sample) that scatter evenly; the others reflect.
     pub(crate) fn split(&self, cos: f64, color: Rgb) -> Option<f64> {
+        if self.is_even {
+            return None;
+        }
         self.shares(cos, color).map(|shares| shares.rest + shares.fuzz)
     }
 
@@ -255,6 +295,12 @@ impl Layered {
         choice: f64,
         u: (f64, f64),
     ) -> Option<Scatter> {
+        if self.is_even {
+            let direction = warp::cosine_hemisphere(u);
+            let pdf = direction.z * core::f64::consts::FRAC_1_PI;
+            let good = pdf > 0.0 && !color.is_black();
+            return good.then_some(Scatter { direction, weight: color, pdf, kind: Kind::Wide });
+        }
         let shares = self.shares(wo.z, color)?;
         let Layers { coat, coat_color, gloss, .. } = &self.layers;
         let mirrored = Vec3::new(-wo.x, -wo.y, wo.z);

@@ -8,11 +8,15 @@
 
 mod media;
 pub(crate) mod photons;
+#[cfg(test)]
+mod tests;
 mod vertex;
+mod weighting;
 
 use rondure::{Interaction, Ray};
 use rondure_film::Statistics;
 
+pub(crate) use self::weighting::Weighting;
 use self::{
     media::Media,
     photons::Photons,
@@ -20,7 +24,6 @@ use self::{
 };
 use crate::{
     bsdf::{Kind, Part, Wavelength},
-    coat::power_heuristic,
     color::Rgb,
     light::{Incoming, Lamp},
     sampler::{Key, Sample},
@@ -33,30 +36,22 @@ const ROULETTE_FROM: u32 = 3;
 /// chosen.
 const FEW_LAMPS: usize = 16;
 
-/// The scatterings after which a path branches no more, and the least weight of a branch.
+/// The scatterings after which a path branches no more.
 const SPLITS: u32 = 8;
-const SPLIT_WEIGHT: f64 = 0.01;
+/// A branch that can bring more than this part of white is followed, not left to chance: a lamp seen in it would be
+/// a spark.
+const SPLIT_LIGHT: f64 = 0.02;
+/// The weights between which the least is that a branch must have.
+const SPLIT_WEIGHTS: [f64; 2] = [0.0005, 0.01];
 
-// The random numbers of a place on a path.
+// The random numbers of a place on a path, beside those of `Draw`: 1, 2 and 5.
 const NEXT: u32 = 0;
 const BRANCH: u32 = 8;
-const DIRECTION: u32 = 1;
-const LOBE: u32 = 2;
 const ROULETTE: u32 = 3;
 const SKY: u32 = 4;
-const MODEL: u32 = 5;
 const LAMP: u32 = 6;
 const WAVELENGTH: u32 = 7;
 const LAMPS: u32 = 16;
-
-/// The random numbers for a place on a path.
-fn draw(sample: &Sample, key: Key) -> Draw {
-    Draw {
-        model: sample.single(key.child(MODEL)),
-        lobe: sample.single(key.child(LOBE)),
-        direction: sample.pair(key.child(DIRECTION)),
-    }
-}
 
 /// Follows the path of one sample of one pixel.
 pub(crate) struct Tracer<'a> {
@@ -66,6 +61,7 @@ pub(crate) struct Tracer<'a> {
     pub(crate) depth: u32,
     pub(crate) sample: Sample,
     pub(crate) statistics: Statistics,
+    pub(crate) weighting: Weighting,
 }
 
 /// A path as far as it has come.
@@ -156,7 +152,8 @@ impl Tracer<'_> {
             walk.weight = walk.weight * wavelength.color();
             walk.wavelength = Some(wavelength);
         }
-        let draw = draw(&self.sample, walk.key);
+        let sample = self.sample;
+        let draw = Draw::new(&sample, walk.key);
         let (ray, media) = (walk.ray, walk.media);
         let met = (finish, solid);
         let vertex = Vertex::new(world, &ray, &contact, met, &media, walk.wavelength, &draw);
@@ -174,9 +171,9 @@ impl Tracer<'_> {
             let index = filling.map_or(1.0, |glass| glass.ior(walk.wavelength));
             *light += walk.weight * photons.gather(&vertex, contact.thing, left) / (index * index);
         }
-        let split = vertex.split().filter(|share| {
-            let least = share.min(1.0 - share) * walk.weight.max_channel();
-            !walk.scattered && walk.depth < SPLITS && least >= SPLIT_WEIGHT
+        let splits = !walk.scattered && walk.depth < SPLITS;
+        let split = splits.then(|| vertex.split()).flatten().filter(|share| {
+            share.min(1.0 - share) * walk.weight.max_channel() >= self.least_branch()
         });
         let branches = match split {
             Some(share) => [Some((0.0, share)), Some((share, 1.0 - share))],
@@ -184,8 +181,7 @@ impl Tracer<'_> {
         };
         let mut next = None;
         for ((from, share), branch) in branches.into_iter().flatten().zip([NEXT, BRANCH]) {
-            let draw = Draw { lobe: from + share * draw.lobe, ..draw };
-            let Some(onward) = vertex.onward(&media, &draw) else { continue };
+            let Some(onward) = vertex.onward(&media, &draw.among(from, share)) else { continue };
             let mut weight = walk.weight * onward.weight * share;
             if walk.depth >= ROULETTE_FROM && !onward.straight {
                 let live = weight.max_channel().min(1.0);
@@ -217,11 +213,17 @@ impl Tracer<'_> {
         next
     }
 
+    /// The least weight of a branch that is followed.
+    fn least_branch(&self) -> f64 {
+        let [low, high] = SPLIT_WEIGHTS;
+        (SPLIT_LIGHT * self.world.white / self.world.brightest).clamp(low, high)
+    }
+
     /// The light of the sky along the ray, as far as it was not looked for where the ray comes from.
     fn sky(&self, walk: &Walk) -> Rgb {
         let sky = &self.world.sky;
         let direction = walk.ray.direction;
-        sky.radiance(direction) * power_heuristic(walk.pdf, sky.pdf(direction))
+        sky.radiance(direction) * self.weighting.of_chance(walk.pdf, sky.pdf(direction))
     }
 
     /// The same of a lamp that the ray meets; none if photons bring it.
@@ -233,7 +235,7 @@ impl Tracer<'_> {
         let found = &self.world.lamps[lamp as usize];
         let share = if walk.all_lamps { 1.0 } else { self.world.lamp_share(origin, lamp as usize) };
         let pdf = found.pdf(origin, direction, distance) * share;
-        found.radiance() * power_heuristic(walk.pdf, pdf)
+        found.radiance() * self.weighting.of_chance(walk.pdf, pdf)
     }
 
     /// The share of the light of a shining surface that was not looked for where the ray comes from, and that
@@ -246,7 +248,7 @@ impl Tracer<'_> {
         let Lamp::Turned(shining) = &self.world.lamps[lamp as usize] else { return 1.0 };
         let origin = walk.ray.origin;
         let share = if walk.all_lamps { 1.0 } else { self.world.lamp_share(origin, lamp as usize) };
-        power_heuristic(walk.pdf, shining.pdf(origin, surface) * share)
+        self.weighting.of_chance(walk.pdf, shining.pdf(origin, surface) * share)
     }
 
     /// The light of lamps and sky that a surface sends on; `narrow` tells whether what its narrow lobes send
@@ -289,7 +291,8 @@ impl Tracer<'_> {
         narrow: bool,
     ) -> Rgb {
         let parts = vertex.evaluate(incoming.direction);
-        let weigh = |part: Part| part.value * power_heuristic(incoming.pdf, part.pdf);
+        let weighting = self.weighting;
+        let weigh = |part: Part| part.value * weighting.of_looking(incoming.pdf, part.pdf);
         let mut seen = weigh(parts.wide);
         if narrow {
             seen += weigh(parts.narrow);

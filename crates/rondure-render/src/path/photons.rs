@@ -9,14 +9,17 @@
 //!
 //! The photons of a pass are a function of the scene, the seed and the pass alone.
 
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::{
+    collections::HashMap,
+    sync::atomic::{AtomicU32, Ordering},
+};
 
 use rayon::prelude::*;
 use rondure::Vec3;
 
 use super::{
     media::Media,
-    vertex::{Vertex, is_dispersive},
+    vertex::{Draw, Vertex, is_dispersive},
 };
 use crate::{
     bsdf::{Kind, Wavelength},
@@ -38,8 +41,10 @@ const MOST: f64 = 1e6;
 const AT_A_TIME: u32 = 1024;
 /// The way, as part of the radius of its target, from which on a photon counts in a larger radius.
 const WIDENS_FROM: f64 = 3.0;
-/// The greatest of the powers of two by which the radius of photons grows that come from far.
-const HIGHEST_LEVEL: u32 = 7;
+/// The greatest of the powers of four by which the radius of photons grows that come from far or lie far apart.
+const HIGHEST_LEVEL: u32 = 3;
+/// The photons that a cell must hold for them to keep their radius.
+const ENOUGH: u32 = 8;
 /// How far from the plane of the surface a photon may lie, as part of the radius.
 const FLATNESS: f64 = 0.2;
 
@@ -130,7 +135,7 @@ struct Photon {
     thing: u32,
     /// How often it was scattered.
     bounces: u32,
-    /// The radius in which it counts, as a power of two times that of the pass.
+    /// The radius in which it counts, as a power of four times that of the pass.
     level: u32,
 }
 
@@ -139,8 +144,8 @@ struct Photon {
 pub(crate) struct Photons {
     aim: Aim,
     radius: f64,
-    /// For each level whether there are photons of it.
-    levels: [bool; HIGHEST_LEVEL as usize + 1],
+    /// For each thing the levels of the photons on it, as bits.
+    levels: Vec<u8>,
     /// In the order of the hashes of their cells.
     all: Vec<Photon>,
     /// Where those of each hash begin.
@@ -181,7 +186,9 @@ impl Photons {
             .collect();
         // The area shrinks by the third root of the number of samples.
         let radius = FIRST_RADIUS * aim.size * f64::from(volley.first + 1).powf(-1.0 / 6.0);
-        Some(Self::sorted(aim.clone(), radius, found?.into_iter().flatten().collect()))
+        let mut photons: Vec<_> = found?.into_iter().flatten().collect();
+        widen(radius, &mut photons);
+        Some(Self::sorted(aim.clone(), radius, photons))
     }
 
     fn sorted(aim: Aim, radius: f64, photons: Vec<Photon>) -> Self {
@@ -190,10 +197,10 @@ impl Photons {
             hash(cell(photon.point, radius_of(radius, photon.level)), photon.level, table)
         };
         let mut starts = vec![0_u32; table + 1];
-        let mut levels = [false; HIGHEST_LEVEL as usize + 1];
+        let mut levels = vec![0; aim.is_target.len()];
         for photon in &photons {
             starts[hash(photon) + 1] += 1;
-            levels[photon.level as usize] = true;
+            levels[photon.thing as usize] |= 1 << photon.level;
         }
         for i in 0..table {
             starts[i + 1] += starts[i];
@@ -213,9 +220,9 @@ impl Photons {
     /// The light of the photons that came to rest round a place on the same thing, as it is seen from there;
     /// each scattered at most `left` times before.
     pub(crate) fn gather(&self, vertex: &Vertex<'_>, thing: u32, left: u32) -> Rgb {
-        let levels = (0..).zip(&self.levels).filter(|(_, used)| **used);
-        levels
-            .fold(Rgb::BLACK, |sum, (level, _)| sum + self.gather_level(vertex, thing, left, level))
+        let used = self.levels[thing as usize];
+        let levels = (0..=HIGHEST_LEVEL).filter(|level| used >> level & 1 == 1);
+        levels.fold(Rgb::BLACK, |sum, level| sum + self.gather_level(vertex, thing, left, level))
     }
 
     fn gather_level(&self, vertex: &Vertex<'_>, thing: u32, left: u32, level: u32) -> Rgb {
@@ -224,6 +231,7 @@ impl Photons {
         let first = cell(surface.point - Vec3::splat(radius), radius);
         let r2 = radius * radius;
         let mut sum = Rgb::BLACK;
+        let mut places = [usize::MAX; 8];
         for corner in 0..8 {
             let at = [
                 first[0] + (corner & 1),
@@ -231,6 +239,11 @@ impl Photons {
                 first[2] + (corner >> 2 & 1),
             ];
             let place = hash(at, level, self.starts.len() - 1);
+            // Of cells with the same hash one shows the photons of all.
+            places[corner as usize] = place;
+            if places[..corner as usize].contains(&place) {
+                continue;
+            }
             let range = self.starts[place] as usize..self.starts[place + 1] as usize;
             for photon in &self.all[range] {
                 if photon.thing != thing || photon.level != level || photon.bounces > left {
@@ -238,10 +251,7 @@ impl Photons {
                 }
                 let off = photon.point - surface.point;
                 let d2 = off.length_squared();
-                if d2 >= r2
-                    || off.dot(surface.normal).abs() > FLATNESS * radius
-                    || cell(photon.point, radius) != at
-                {
+                if d2 >= r2 || off.dot(surface.normal).abs() > FLATNESS * radius {
                     continue;
                 }
                 let wide = vertex.evaluate(photon.direction).wide.value;
@@ -257,9 +267,25 @@ impl Photons {
     }
 }
 
+/// Gives photons that lie far apart a larger radius, until some share a cell: one alone would be seen as a spot.
+fn widen(radius: f64, photons: &mut [Photon]) {
+    for level in 0..HIGHEST_LEVEL {
+        let place = |photon: &Photon| (photon.thing, cell(photon.point, radius_of(radius, level)));
+        let mut counts: HashMap<_, u32> = HashMap::new();
+        for photon in &*photons {
+            *counts.entry(place(photon)).or_default() += 1;
+        }
+        for photon in photons.iter_mut().filter(|photon| photon.level == level) {
+            if counts[&place(photon)] < ENOUGH {
+                photon.level += 1;
+            }
+        }
+    }
+}
+
 #[inline]
 fn radius_of(radius: f64, level: u32) -> f64 {
-    radius * f64::from(1_u32 << level)
+    radius * f64::from(1_u32 << (2 * level))
 }
 
 /// The cell of a grid of cells two radii wide.
@@ -316,14 +342,14 @@ fn shoot(world: &World, aim: &Aim, volley: &Volley, i: u32, count: u32) -> Vec<P
             power = power * chosen.color();
             wavelength = Some(chosen);
         }
-        let draw = super::draw(&sample, key.child(7));
+        let draw = Draw::new(&sample, key.child(7));
         let vertex = Vertex::new(world, &ray, &contact, (finish, solid), &media, wavelength, &draw);
         if bounces > 0 {
             way += contact.t;
         }
         if bounces > 0 && vertex.is_wide() {
             // Farther away photons lie farther apart, and what they show is less sharp.
-            let level = (way / (WIDENS_FROM * pair.radius)).log2().ceil().max(0.0) as u32;
+            let level = (0.5 * (way / (WIDENS_FROM * pair.radius)).log2()).round().max(0.0) as u32;
             found.push(Photon {
                 point: vertex.surface.point,
                 direction: -ray.direction,

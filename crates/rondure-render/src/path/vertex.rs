@@ -8,19 +8,51 @@ use crate::{
     color::Rgb,
     fresnel,
     optics::{Medium, Optics},
+    sampler::{Key, Sample},
     warp::Frame,
     world::{Contact, World},
 };
 
-/// The random numbers that a place takes.
+// The random numbers of a place on a path.
+const DIRECTION: u32 = 1;
+const LOBE: u32 = 2;
+const MODEL: u32 = 5;
+
+/// The random numbers that a place takes, made when they are asked for.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Draw {
+pub(crate) struct Draw<'a> {
+    sample: &'a Sample,
+    key: Key,
+    /// Where the numbers begin that choose between lobes, and what part of all they are.
+    lobes: [f64; 2],
+}
+
+impl<'a> Draw<'a> {
+    pub(crate) fn new(sample: &'a Sample, key: Key) -> Self {
+        Self { sample, key, lobes: [0.0, 1.0] }
+    }
+
+    /// The same for the lobes of a branch alone.
+    pub(crate) fn among(self, from: f64, share: f64) -> Self {
+        Self { lobes: [from, share], ..self }
+    }
+
     /// Between what is glass and what is not.
-    pub(crate) model: f64,
+    #[inline]
+    fn model(&self) -> f64 {
+        self.sample.single(self.key.child(MODEL))
+    }
+
     /// Between lobes.
-    pub(crate) lobe: f64,
-    /// The direction.
-    pub(crate) direction: (f64, f64),
+    #[inline]
+    fn lobe(&self) -> f64 {
+        self.lobes[0] + self.lobes[1] * self.sample.single(self.key.child(LOBE))
+    }
+
+    #[inline]
+    fn direction(&self) -> (f64, f64) {
+        self.sample.pair(self.key.child(DIRECTION))
+    }
 }
 
 pub(crate) struct Vertex<'a> {
@@ -69,7 +101,7 @@ impl<'a> Vertex<'a> {
         (finish, solid): (u32, bool),
         media: &Media,
         wavelength: Option<Wavelength>,
-        draw: &Draw,
+        draw: &Draw<'_>,
     ) -> Self {
         let surface = world.interaction(ray, contact);
         let optics = world.optics(finish);
@@ -79,7 +111,7 @@ impl<'a> Vertex<'a> {
         let mut beyond = *media;
         let mut shading = normal;
         let model = match &optics.glass {
-            Some(medium) if draw.model < optics.clarity => {
+            Some(medium) if optics.clarity >= 1.0 || draw.model() < optics.clarity => {
                 if solid {
                     let body = Body { thing: contact.thing, finish, priority: medium.priority };
                     beyond = if entering {
@@ -93,10 +125,17 @@ impl<'a> Vertex<'a> {
                 }
             }
             _ => {
-                let spot = world.spot(contact, &surface, outgoing);
-                let outwards = world.shading_normal(finish, contact, &surface, &spot, outgoing);
-                shading = if entering { outwards } else { -outwards };
-                Model::Opaque { layers: &optics.opaque, color: optics.color.at(&spot) }
+                let color = match optics.color.plain() {
+                    Some(color) if !world.has_relief(finish) => color,
+                    _ => {
+                        let spot = world.spot(contact, &surface, outgoing);
+                        let outwards =
+                            world.shading_normal(finish, contact, &surface, &spot, outgoing);
+                        shading = if entering { outwards } else { -outwards };
+                        optics.color.at(&spot)
+                    }
+                };
+                Model::Opaque { layers: &optics.opaque, color }
             }
         };
         Self { surface, frame: Frame::new(shading), normal, outgoing, model, beyond }
@@ -155,16 +194,21 @@ impl<'a> Vertex<'a> {
     }
 
     /// A ray that goes on from here; `media` are the bodies that the path is in.
-    pub(crate) fn onward(&self, media: &Media, draw: &Draw) -> Option<Onward> {
+    pub(crate) fn onward(&self, media: &Media, draw: &Draw<'_>) -> Option<Onward> {
         let perfect = |direction, pdf| {
             Some(Scatter { direction, weight: Rgb::WHITE, pdf, kind: Kind::Narrow })
         };
         let wo = self.wo();
         let scatter = match &self.model {
-            Model::Opaque { layers, color } => layers.sample(wo, *color, draw.lobe, draw.direction),
-            Model::Clear(boundary) => boundary.sample(wo, draw.lobe, draw.direction),
+            Model::Opaque { layers, color } => {
+                // A single lobe needs no number.
+                let lobe = if layers.is_even() { 0.0 } else { draw.lobe() };
+                layers.sample(wo, *color, lobe, draw.direction())
+            }
+            Model::Clear(boundary) => boundary.sample(wo, draw.lobe(), draw.direction()),
             Model::Sheet { ior } => {
-                let reflected = draw.lobe < fresnel::sheet(fresnel::from_air(wo.z.min(1.0), *ior));
+                let reflected =
+                    draw.lobe() < fresnel::sheet(fresnel::from_air(wo.z.min(1.0), *ior));
                 let direction = if reflected { Vec3::new(-wo.x, -wo.y, wo.z) } else { -wo };
                 perfect(direction, f64::INFINITY)
             }

@@ -157,6 +157,15 @@ impl Pattern {
         }
     }
 
+    /// The colour that it has everywhere, if it is only one.
+    #[inline]
+    pub(crate) fn plain(&self) -> Option<Rgb> {
+        match self {
+            Self::Solid(color) => Some(*color),
+            _ => None,
+        }
+    }
+
     #[inline]
     pub(crate) fn at(&self, spot: &Spot) -> Rgb {
         match self {

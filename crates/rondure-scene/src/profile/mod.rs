@@ -1,5 +1,6 @@
 //! Profile files: path data, drawings and tables of points, told apart by their extension.
 
+pub(crate) mod liquid;
 pub(crate) mod path;
 pub(crate) mod points;
 mod svg;

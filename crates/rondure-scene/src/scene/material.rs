@@ -75,6 +75,25 @@ impl Materials {
         self.all.get(index).map(|(material, _)| material)
     }
 
+    /// The material of a liquid for which the wall of its vessel stands fast: the liquid's own, or a copy that
+    /// gives way where both are clear.
+    pub(super) fn giving_way(&mut self, liquid: usize, vessel: usize) -> usize {
+        let Some(wall) = self.get(vessel).and_then(clear).map(|glass| glass.priority) else {
+            return liquid;
+        };
+        let Some((mut material, relief)) = self.all.get(liquid).cloned() else { return liquid };
+        let priority = match &mut material {
+            Material::Glass(glass) => &mut glass.priority,
+            Material::Principled(principled) => &mut principled.transmission.priority,
+            _ => return liquid,
+        };
+        if *priority < wall {
+            return liquid;
+        }
+        *priority = wall - 1;
+        self.add((material, relief))
+    }
+
     pub(super) fn warn_unused(&self, cx: &Context<'_>) {
         for named in self.named.iter().filter(|n| !n.used) {
             let message = format!("the material `{}` is never used", named.name);
@@ -156,6 +175,17 @@ fn material(value: &Value<'_>) -> Option<(Material, Option<Relief>)> {
     let relief = relief(&table);
     table.finish();
     Some((material?, relief?))
+}
+
+/// What a material is as glass, if it is clear.
+fn clear(material: &Material) -> Option<&Glass> {
+    match material {
+        Material::Glass(glass) => Some(glass),
+        Material::Principled(principled) => {
+            (principled.transmission_weight > 0.0).then_some(&principled.transmission)
+        }
+        _ => None,
+    }
 }
 
 /// A number that may be missing; `None` if it is wrong.

@@ -2,6 +2,7 @@
 
 mod key;
 mod light;
+mod liquid;
 mod material;
 mod object;
 mod paint;

@@ -5,6 +5,7 @@ use std::{collections::HashMap, ops::Range};
 use rondure::{Affine, Instance, Vec3};
 
 use super::{
+    liquid::{self, Liquid},
     material::Materials,
     placement, section,
     shared::Profiles,
@@ -12,7 +13,7 @@ use super::{
     sweep,
 };
 use crate::{
-    Copies, Diagnostic, Material, Motion, Object, Shape,
+    Copies, Cut, Diagnostic, Material, Motion, Object, Shape,
     decode::{Bounds, Context, Table},
 };
 
@@ -30,7 +31,7 @@ pub(super) fn objects(
             check_name(cx, &mut names, name, span.clone());
         }
         let name = name.map_or_else(|| format!("object {}", i + 1), |(name, _)| name);
-        all.extend(object(table, i + 1, name, materials, profiles));
+        all.extend(object(table, i + 1, name, materials, profiles).into_iter().flatten());
     }
     all
 }
@@ -73,14 +74,14 @@ const KINDS: [(&str, Kind); 7] = [
     ("half-space", Kind::Solid(solid::Kind::HalfSpace)),
 ];
 
-/// An object, the `number`-th of the scene.
+/// An object, the `number`-th of the scene, and the liquid in it as another.
 fn object(
     mut table: Table<'_>,
     number: usize,
     name: String,
     materials: &mut Materials,
     profiles: &mut Profiles,
-) -> Option<Object> {
+) -> Option<Vec<Object>> {
     let is_named = table.has("material");
     let material = materials.find(table.get("material"));
     // What a solid's own parts inherit.
@@ -106,8 +107,12 @@ fn object(
         },
     };
     let copies = placement::copies(&table, number);
+    let mut liquid = None;
     let shape = match kind {
-        Kind::Turned => turned(&table, named, materials, profiles),
+        Kind::Turned => turned(&table, [material, named], materials, profiles).map(|turned| {
+            liquid = turned.1;
+            turned.0
+        }),
         Kind::Solid(kind) => {
             let mut sources = Sources { number, materials, profiles };
             solid::body(&table, kind, named, &mut sources).map(Shape::Body)
@@ -123,23 +128,38 @@ fn object(
     }
     table.finish();
     let (shape, material, copies) = (shape?, material?, copies?);
-    Some(Object { name, shape, material, copies, section: section? })
+    let section = section?;
+    let mut all = Vec::new();
+    if let (Some(Liquid { surface, material }), Shape::Turned(vessel)) = (liquid, &shape) {
+        // Its cut face is its own.
+        let section = match section {
+            Cut::Open { .. } => Cut::Open { material: None },
+            Cut::Whole => Cut::Whole,
+        };
+        let shape = Shape::Turned(Instance::new(surface, *vessel.placement())?);
+        let (name, copies) = (format!("liquid in {name}"), copies.clone());
+        all.push(Object { name, shape, material, copies, section });
+    }
+    all.insert(0, Object { name, shape, material, copies, section });
+    Some(all)
 }
 
-/// `named` is the material that the object names, if it does.
+/// A turned object and what it is filled with. `named` is the material that the object names, if it does.
 fn turned(
     table: &Table<'_>,
-    named: Option<usize>,
+    [material, named]: [Option<usize>; 2],
     materials: &mut Materials,
     profiles: &mut Profiles,
-) -> Option<Shape> {
+) -> Option<(Shape, Option<Liquid>)> {
     let surface = table.require("profile").and_then(|v| profiles.find(&v));
     let surface = sweep::capped(table, surface, profiles);
     let sweeping = sweep::sweeping(table, materials);
+    let liquid = liquid::filled(table, surface.as_ref(), material, materials);
     let (surface, placement) = (surface, placement::placement(table)?);
-    let (surface, sweeping) = (surface?, sweeping?);
+    let (surface, sweeping, liquid) = (surface?, sweeping?, liquid?);
     if let Some(closed) = sweeping.as_ref().filter(|s| s.open.is_none()) {
-        return solid::swept(table, &surface, closed, named, placement).map(Shape::Body);
+        let body = solid::swept(table, &surface, closed, named, placement)?;
+        return Some((Shape::Body(body), None));
     }
     let instance = Instance::new(surface, placement);
     if instance.is_none() {
@@ -147,8 +167,8 @@ fn turned(
     }
     let instance = instance?;
     Some(match sweeping {
-        Some(open) => Shape::Swept { instance, sweep: open.sweep },
-        None => Shape::Turned(instance),
+        Some(open) => (Shape::Swept { instance, sweep: open.sweep }, None),
+        None => (Shape::Turned(instance), liquid),
     })
 }
 

@@ -18,6 +18,7 @@ use super::NoCavity;
 use super::quadrature::{Sum, gauss};
 use super::slabs::{Slabs, Wall};
 use super::solve::bracketed_newton;
+use crate::profile::Point;
 
 /// The room that liquid takes in a vessel which stands upright, z pointing up: poured in from above
 /// along the axis, standing at one level.
@@ -76,6 +77,19 @@ impl Cavity {
     /// The volume of the pockets below the brim that keep their air.
     pub fn trapped(&self) -> f64 {
         self.trapped
+    }
+
+    /// Whether a place of the half plane, between the bottom and the brim, is taken by liquid when the vessel is
+    /// full.
+    pub fn contains(&self, at: Point) -> bool {
+        let z = at.z - self.z;
+        let layer = self.layers.iter().find(|l| l.heights[0] <= z && z < l.heights[1]);
+        layer.is_some_and(|layer| {
+            layer.rooms.iter().any(|room| {
+                room.inner.as_ref().is_none_or(|inner| inner.r(z) <= at.r)
+                    && at.r <= room.outer.r(z)
+            })
+        })
     }
 
     /// The volume of liquid that stands at the height z, or `None` above the brim.

@@ -21,6 +21,7 @@ pub use csg::{Compound, Csg, CsgError, Face, Primitive};
 pub use span::{Boundary, Span, Wall};
 pub use sweep::{OpenSweep, Sweep};
 
+use core::cell::Cell;
 use core::fmt;
 use std::sync::{Arc, OnceLock};
 
@@ -31,6 +32,11 @@ use nearest::Best;
 use outline::Outline;
 use skin::Skin;
 use span::{Coincidence, Crossing, append_spans};
+
+thread_local! {
+    /// The room that the crossings of a ray take, kept for the next one.
+    static CROSSINGS: Cell<Vec<Crossing>> = const { Cell::new(Vec::new()) };
+}
 
 /// What is inside where a profile crosses itself or has several subpaths, as SVG's `fill-rule` has it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -201,7 +207,8 @@ impl Solid {
         ray: &Ray,
         spans: &mut Vec<Span>,
     ) {
-        let mut crossings = Vec::new();
+        let mut crossings = CROSSINGS.take();
+        crossings.clear();
         self.surface.crossings_from(frame, ray, |hit, step| crossings.push(Crossing { hit, step }));
         let coincidence = Coincidence::new(ray.direction);
         let sine = |c: &Crossing| {
@@ -211,6 +218,7 @@ impl Solid {
             coincidence.holds(a.hit.t, b.hit.t, off, || [sine(a), sine(b)])
         };
         append_spans(&mut crossings, self.rule, coincide, [ray.t_min, ray.t_max], spans);
+        CROSSINGS.set(crossings);
     }
 
     /// The full answer for a wall that this solid reported for this ray; the normal points out of

@@ -138,6 +138,11 @@ impl Coincidence {
         Self { speed: (direction * scale).length() / scale }
     }
 
+    /// The length of the ray's direction.
+    pub(crate) fn speed(&self) -> f64 {
+        self.speed
+    }
+
     /// Whether two hits at t_a <= t_b may lie at the same place. `off` bounds the rounding of either
     /// surface, and of the ray beside it, as a length; `sines` tells the sine of either incidence.
     #[inline]

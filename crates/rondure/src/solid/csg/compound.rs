@@ -1,5 +1,7 @@
 //! An expression made ready: its leaves in a row, and the formula that says what is inside.
 
+use core::cell::Cell;
+
 use super::formula::{Formula, Needs, State};
 use super::leaf::{Leaf, Toggle};
 use super::{Csg, CsgError};
@@ -17,6 +19,20 @@ pub struct Compound {
     bounds: Bounds,
     /// The sphere round the bounds; `None` if they are infinite.
     sphere: Option<Frame>,
+}
+
+/// What a ray takes room for, kept for the next one.
+#[derive(Default)]
+struct Room {
+    state: State,
+    toggles: Vec<Toggle>,
+    /// Those of a leaf.
+    leaf_spans: Vec<Span>,
+}
+
+thread_local! {
+    static ROOM: Cell<Room> = Cell::default();
+    static SPANS: Cell<Vec<Span<Face>>> = const { Cell::new(Vec::new()) };
 }
 
 /// Where a ray passes the surface of a compound solid: a place on one of its primitives.
@@ -73,6 +89,16 @@ impl Compound {
     /// The stretches of a ray inside the solid, as of [`Solid::spans`](crate::Solid::spans). `spans` is
     /// cleared first.
     pub fn spans(&self, ray: &Ray, spans: &mut Vec<Span<Face>>) {
+        self.walk(ray, spans, |_| false);
+    }
+
+    /// The spans up to the first that is enough. `spans` is cleared first.
+    fn walk(
+        &self,
+        ray: &Ray,
+        spans: &mut Vec<Span<Face>>,
+        mut is_enough: impl FnMut(&Span<Face>) -> bool,
+    ) {
         spans.clear();
         let is_ray =
             ray.direction.is_finite() && ray.origin.is_finite() && ray.direction.max_abs() > 0.0;
@@ -80,10 +106,11 @@ impl Compound {
         if !is_ray || missed || self.is_empty() {
             return;
         }
-        let mut state = self.formula.outside();
-        let (mut toggles, mut scratch) = (Vec::new(), Vec::new());
+        let Room { state, mut toggles, mut leaf_spans } = ROOM.take();
+        toggles.clear();
+        let mut state = self.formula.outside(state);
         for (i, leaf) in self.leaves.iter().enumerate() {
-            if leaf.toggles(i as u32, ray, &mut toggles, &mut scratch) {
+            if leaf.toggles(i as u32, ray, &mut toggles, &mut leaf_spans) {
                 self.formula.toggle(&mut state, i);
             }
         }
@@ -99,18 +126,36 @@ impl Compound {
             rest = others;
             if let Some((toggle, enters)) = self.change(&mut state, group) {
                 let face = Face { flipped: toggle.enters != enters, toggle };
+                let known = spans.len();
                 clip.boundary(Boundary { t: toggle.t, wall: Some(face) }, enters, spans);
+                if spans.get(known).is_some_and(&mut is_enough) {
+                    clip.enter = None;
+                    break;
+                }
             }
         }
         clip.finish(spans);
+        ROOM.set(Room { state, toggles, leaf_spans });
     }
 
     /// The first boundary in the range of a ray, where it comes in or, if it begins inside, goes out.
     pub fn closest(&self, ray: &Ray) -> Option<Boundary<Face>> {
-        let mut spans = Vec::new();
-        self.spans(ray, &mut spans);
-        let mut ends = spans.iter().flat_map(|span| [span.enter, span.exit]);
-        ends.find(|end| end.wall.is_some())
+        // Mostly no primitive's boundary lies in the range, which takes much less to find out.
+        if !self.leaves.iter().any(|leaf| leaf.may_pass(ray, &self.bounds)) {
+            return None;
+        }
+        let wall =
+            |span: &Span<Face>| [span.enter, span.exit].into_iter().find(|end| end.wall.is_some());
+        let mut spans = SPANS.take();
+        self.walk(ray, &mut spans, |span| wall(span).is_some());
+        let first = spans.iter().find_map(wall);
+        SPANS.set(spans);
+        first
+    }
+
+    /// Whether there is any boundary in the range of a ray.
+    pub fn any(&self, ray: &Ray) -> bool {
+        self.closest(ray).is_some()
     }
 
     /// How many of the first toggles come together: those at the same t, and those at the next t as
@@ -178,13 +223,17 @@ impl Compound {
 
     /// Whether a point lies inside. Points within rounding of the surface may go either way.
     pub fn contains(&self, point: Vec3) -> bool {
-        let mut state = self.formula.outside();
+        let mut room = ROOM.take();
+        let mut state = self.formula.outside(room.state);
         for (i, leaf) in self.leaves.iter().enumerate() {
             if leaf.contains(point) {
                 self.formula.toggle(&mut state, i);
             }
         }
-        point.is_finite() && self.formula.value(&state)
+        let inside = self.formula.value(&state);
+        room.state = state;
+        ROOM.set(room);
+        point.is_finite() && inside
     }
 
     /// Whether a point lies inside the primitive of this index, counted as [`Face::leaf`] does.

@@ -19,7 +19,7 @@ struct Node {
 }
 
 /// The values of all nodes.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct State {
     values: Vec<bool>,
     /// How many operands are true.
@@ -58,9 +58,11 @@ impl Formula {
         index
     }
 
-    /// The state in which no leaf is true.
-    pub(super) fn outside(&self) -> State {
-        self.outside.clone()
+    /// The state in which no leaf is true, in the room that another one takes.
+    pub(super) fn outside(&self, mut room: State) -> State {
+        room.values.clone_from(&self.outside.values);
+        room.counts.clone_from(&self.outside.counts);
+        room
     }
 
     /// Turns a leaf to its opposite, and all that follows from it.
@@ -115,7 +117,7 @@ mod tests {
         let inner = formula.join(Needs::Any, &[(3, false), (4, true)]);
         let right = formula.join(Needs::All, &[(2, false), (inner, false)]);
         formula.join(Needs::All, &[(left, false), (right, true)]);
-        let mut state = formula.outside();
+        let mut state = formula.outside(State::default());
         let mut bits = 0_u32;
         for i in 0..1000_u32 {
             let leaf = (i.wrapping_mul(2_654_435_761) >> 20) as usize % 5;

@@ -6,6 +6,7 @@ use super::CsgError;
 use crate::frame::{Frame, LocalRay};
 use crate::interaction::{Interaction, normal};
 use crate::numeric::{gamma, two_diff};
+use crate::solid::span::Coincidence;
 use crate::solid::{Boundary, Solid, Span, Wall};
 use crate::surface::placed_rounding;
 use crate::{Affine, Bounds, Ray, Vec3};
@@ -170,8 +171,16 @@ impl Leaf {
                 }
                 false
             }
+            _ => self.flat_toggles(ray, add),
+        }
+    }
+
+    /// The same on what has plane faces alone: at most two.
+    fn flat_toggles(&self, ray: &Ray, mut add: impl FnMut(f64, bool, Place)) -> bool {
+        let Some(local) = self.frame.enter(&ray.whole()) else { return false };
+        match &self.shape {
+            Shape::Turned(_) => false,
             Shape::HalfSpace(normal) => {
-                let Some(local) = self.frame.enter(&ray.whole()) else { return false };
                 let rise = normal.dot(local.direction);
                 let height = normal.dot(local.origin);
                 let own_t = -height / rise;
@@ -186,7 +195,6 @@ impl Leaf {
                 }
             }
             Shape::Cuboid(half) => {
-                let Some(local) = self.frame.enter(&ray.whole()) else { return false };
                 if let Some([enter, exit]) = through_box(&local, *half) {
                     add(local.world_t(enter.0), true, Place::Side(enter.1, enter.2));
                     add(local.world_t(exit.0), false, Place::Side(exit.1, exit.2));
@@ -194,6 +202,30 @@ impl Leaf {
                 false
             }
         }
+    }
+
+    /// Whether the line may pass the boundary within the ray's range, and within a box where the rest of the
+    /// solid is; when in doubt, yes.
+    pub(super) fn may_pass(&self, ray: &Ray, within: &Bounds) -> bool {
+        let speed = Coincidence::new(ray.direction).speed();
+        let Shape::Turned(solid) = &self.shape else {
+            let (mut toggles, mut count) = ([None; 2], 0);
+            self.flat_toggles(ray, |t, _, place| {
+                toggles[count] = Some((t, place));
+                count += 1;
+            });
+            return toggles.into_iter().flatten().any(|(t, place)| {
+                let at = ray.at(t);
+                let off =
+                    self.rounding + place.rounding() + gamma(8) * (at.max_abs() + t.abs() * speed);
+                let pad = off / speed;
+                ray.t_min - pad <= t && t <= ray.t_max + pad && padded(*within, off).contains(at)
+            });
+        };
+        // Two ways to the same hit differ by rounding.
+        let pad = self.rounding / speed;
+        let range = [ray.t_min - pad, ray.t_max + pad];
+        solid.surface().any_from(&self.frame, &ray.with_range(range[0], range[1]))
     }
 
     /// Whether the primitive contains a point of the world.
