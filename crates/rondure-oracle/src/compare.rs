@@ -26,6 +26,9 @@ pub const BACKWARD_ROUNDOFFS: f64 = 32.0;
 /// The sine of the incidence from which hits count for [`Tally::worst_steep`].
 pub const STEEP: f64 = 0.1;
 
+/// Hits are known as well as each other within so many powers of two of what is allowed.
+const AS_WELL: f64 = 4.0;
+
 /// Below this, incidence is no more than the rounding of the f64 that holds it.
 const LEAST_INCIDENCE: f64 = UNIT_ROUNDOFF;
 
@@ -368,15 +371,22 @@ impl Tally {
         let band = if self.strict { 0.5 * TANGENCY_BAND } else { TANGENCY_BAND.max(far) };
         let reaches: Vec<f64> = candidates.iter().map(|h| allowed(h, speed, size, reach)).collect();
         let off = |hit: &Hit, i: usize| candidates[i].t.distance(hit.t).abs() * speed;
-        // Those that have the nearest hit choose first, and those at an end of the range last.
+        // Those that are known best choose first, of those that are known as well the one that has the nearest hit, and those
+        // at an end of the range last.
         let (mut order, mut may): (Vec<usize>, Vec<usize>) =
             (0..candidates.len()).partition(|&i| !at_end(&candidates[i]));
-        let nearest: Vec<f64> = (0..candidates.len())
-            .map(|i| found.iter().map(|hit| off(hit, i)).fold(f64::INFINITY, f64::min))
+        let choice: Vec<(f64, f64)> = (0..candidates.len())
+            .map(|i| {
+                let nearest = found.iter().map(|hit| off(hit, i)).fold(f64::INFINITY, f64::min);
+                ((reaches[i].log2() / AS_WELL).floor(), nearest)
+            })
             .collect();
-        let by_nearest = |a: &usize, b: &usize| nearest[*a].total_cmp(&nearest[*b]);
-        order.sort_by(by_nearest);
-        may.sort_by(by_nearest);
+        let by_choice = |&a: &usize, &b: &usize| {
+            let (a, b) = (choice[a], choice[b]);
+            a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
+        };
+        order.sort_by(by_choice);
+        may.sort_by(by_choice);
         let must = order.clone();
         order.append(&mut may);
         let pairs = pair_up(found.len(), &order, &|hit, i| {
