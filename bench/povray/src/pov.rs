@@ -278,7 +278,7 @@ impl Pov {
             match paint {
                 Paint::Solid(_) => {}
                 Paint::Checker { .. } => {
-                    self.notes.push(format!("{name}: the checker has its mean colour for POV-Ray"))
+                    self.notes.push(format!("{name}: the checker has its mean colour for POV-Ray"));
                 }
                 _ => self.notes.push(format!("{name}: the paint is grey for POV-Ray")),
             }
