@@ -1,7 +1,7 @@
 //! Rays that an engine once got wrong, each named after its cause.
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
-use rondure::{Profile, Ray, Surface, Vec3};
+use rondure::{EngineOptions, Method, Profile, Ray, Surface, Vec3};
 use rondure_oracle::{ExactLine, Oracle, Random, Tally, compare::TANGENCY_BAND};
 
 #[track_caller]
@@ -224,4 +224,20 @@ fn straying_from_a_cylinder() {
     assert!(side < 1e-16, "{side}");
     let diagonal = straying(Vec3::new(0.0, 0.0, 0.5), Vec3::new(0.25, 0.0, 0.25));
     assert!((diagonal - 0.5).abs() < 1e-15, "{diagonal}");
+}
+
+/// A step of Newton's that ends just on the end of its bracket has found no root there.
+#[test]
+fn newton_onto_the_end_of_a_piece() {
+    let path = "M 0 0 C 0.08451631245193558 -0.425639217084804 0.23574403699758806 0 \
+                0.23574403699758806 -0.729358501937184 Q 0.235744036997588 0 \
+                0.13589440081308868 -0.59288358167974 Z";
+    let origin = Vec3::new(-0.6199547266466063, -0.8022943521309025, -0.8752302023246208);
+    let direction = Vec3::new(0.5461186812727501, 0.7067418228235591, 0.44974479634226483);
+    let profile = Profile::from_path_data(path).unwrap();
+    let options = EngineOptions { method: Method::Exact, ..EngineOptions::default() };
+    let surface = Surface::with_engine(&profile, &options);
+    let mut tally = Tally::default();
+    tally.compare(&surface, &Oracle::new(&profile), &Ray::line(origin, direction), true);
+    tally.assert_clean();
 }

@@ -424,10 +424,14 @@ pub(crate) fn bracketed_root(
             hi = s;
         }
         let newton = s - value / derivative;
+        if newton == s {
+            return s;
+        }
         let step = (newton - s).abs();
         let ratio = step / last_step;
-        // Also false where the derivative vanishes and the quotient is NaN.
-        let good = lo <= newton && newton <= hi && ratio <= 0.5;
+        // Also false where the derivative vanishes and the quotient is NaN, and where the step ends just on an end: that
+        // is not to be asked, nor is it the root for being met.
+        let good = lo < newton && newton < hi && ratio <= 0.5;
         if !good {
             s = 0.5 * (lo + hi);
             last_step = 0.5 * (hi - lo);
