@@ -17,6 +17,10 @@ use std::sync::Arc;
 const STEPS: usize = 24;
 /// How far off the curve a place is looked at to find out what lies there, as part of the length of an edge.
 const ASIDE: f64 = 1e-3;
+/// The places between the vessel's curve and twice the depth at which there must be wall.
+const PROBES: u32 = 5;
+/// As often a depth or a length that has no room in the wall is halved: a wall that is thinner, by 2^-60, is none.
+const HALVINGS: usize = 60;
 /// The farthest that a corner is moved, as a multiple of what the edges beside it are.
 const MITRE: f64 = 3.0;
 
@@ -58,12 +62,13 @@ pub(crate) fn liquid(
     // As far into the wall as there is room everywhere, and as much again behind.
     let fits = |depth: f64| {
         let clear = |v: &Vertex, into: Point| {
-            (1..=5).all(|i| in_wall(v.at + into * (0.4 * depth * f64::from(i))))
+            let probe = 2.0 * depth / f64::from(PROBES);
+            (1..=PROBES).all(|i| in_wall(v.at + into * (probe * f64::from(i))))
         };
         runs.iter().flatten().all(|v| v.at.z >= level || v.into.is_none_or(|into| clear(v, into)))
     };
     let halvings = core::iter::successors(Some(0.5 * size), |depth| Some(0.5 * depth));
-    let depth = halvings.take(60).find(|depth| fits(*depth)).ok_or(NoLiquid::NoWall)?;
+    let depth = halvings.take(HALVINGS).find(|depth| fits(*depth)).ok_or(NoLiquid::NoWall)?;
     let mut builder = Profile::builder();
     for run in &runs {
         let points = outline(run, depth, level, in_wall);
@@ -88,8 +93,7 @@ fn wetted(segments: &[Segment], cavity: &Cavity, level: f64) -> Result<Vec<Vec<V
         for [a, b] in steps(segment, level) {
             let from = vertices[vertices.len() - 1].at;
             let mut at = segment.point(b);
-            if crosses(segment, [a, b], level) || (at.z - level).abs() <= f64::EPSILON * level.abs()
-            {
+            if crosses(segment, [a, b], level) || is_level(at.z, level) {
                 at.z = level;
             }
             let edge = at - from;
@@ -168,6 +172,12 @@ fn steps(segment: &Segment, level: f64) -> Vec<[f64; 2]> {
     all
 }
 
+/// Whether a height is the level but for the rounding of the sum of the bottom's height and the depth, half a unit in the
+/// last place of either.
+fn is_level(z: f64, level: f64) -> bool {
+    (z - level).abs() <= f64::EPSILON * level.abs()
+}
+
 fn crosses(segment: &Segment, [a, b]: [f64; 2], level: f64) -> bool {
     (segment.point(a).z < level) != (segment.point(b).z < level)
 }
@@ -188,7 +198,8 @@ fn outline(run: &[Vertex], depth: f64, level: f64, in_wall: impl Fn(Point) -> bo
             // Along the level, as far as the wall goes.
             let reach = depth * (1.0 / a.r.abs()).min(MITRE);
             let across = |part: f64| Point::new(vertex.at.r + part * reach.copysign(a.r), level);
-            let parts = core::iter::successors(Some(1.0), |part: &f64| Some(0.5 * part)).take(50);
+            let parts =
+                core::iter::successors(Some(1.0), |part: &f64| Some(0.5 * part)).take(HALVINGS);
             let free = |part: f64| in_wall(across(part)) && in_wall(across(0.5 * part));
             let end = across(parts.into_iter().find(|part| free(*part)).unwrap_or(0.0));
             points.push(end);

@@ -7,12 +7,85 @@ use super::Wide;
 use super::lot::Lot;
 use super::near::{Near, WIDTH, pass};
 use super::packet::{Packet, SIXTEEN};
+use crate::Ray;
 use crate::batch::{Hits, Rays};
 use crate::frame::Frame;
 use crate::piece::Piece;
 
 /// As many rays are left over before they are answered.
 const OVER: usize = 64;
+
+/// What is asked about many rays: how packets, lots and single rays answer it, and where the answers go.
+trait Answers {
+    /// Answers the rays of a packet, from the one numbered `start` on, or leaves them to `single`.
+    fn together<S: Simd>(
+        &mut self,
+        simd: S,
+        wide: &Wide,
+        packet: &Packet<'_, S>,
+        start: usize,
+        single: &mut Vec<usize>,
+    );
+
+    /// Answers the rays of a lot.
+    fn apart<S: Simd>(&mut self, simd: S, wide: &Wide, lot: &mut Lot);
+
+    /// Answers one ray.
+    fn one(&mut self, target: &Target<'_>, index: usize, ray: &Ray);
+}
+
+/// What the rays are shot at.
+struct Target<'a> {
+    wide: &'a Wide,
+    pieces: &'a [Piece],
+    frame: &'a Frame,
+}
+
+impl Answers for Hits {
+    #[inline(always)]
+    fn together<S: Simd>(
+        &mut self,
+        simd: S,
+        wide: &Wide,
+        packet: &Packet<'_, S>,
+        start: usize,
+        single: &mut Vec<usize>,
+    ) {
+        wide.closest_together(simd, packet, start, self, single);
+    }
+
+    #[inline(always)]
+    fn apart<S: Simd>(&mut self, simd: S, wide: &Wide, lot: &mut Lot) {
+        wide.closest_apart(simd, lot, self);
+    }
+
+    fn one(&mut self, target: &Target<'_>, index: usize, ray: &Ray) {
+        self.set(index, target.wide.closest(target.pieces, target.frame, ray));
+    }
+}
+
+impl Answers for [bool] {
+    #[inline(always)]
+    fn together<S: Simd>(
+        &mut self,
+        simd: S,
+        wide: &Wide,
+        packet: &Packet<'_, S>,
+        start: usize,
+        single: &mut Vec<usize>,
+    ) {
+        wide.any_together(simd, packet, start, self, single);
+    }
+
+    #[inline(always)]
+    fn apart<S: Simd>(&mut self, simd: S, wide: &Wide, lot: &mut Lot) {
+        wide.any_apart(simd, lot, self);
+    }
+
+    fn one(&mut self, target: &Target<'_>, index: usize, ray: &Ray) {
+        self[index] = target.wide.any(target.pieces, target.frame, ray);
+    }
+}
 
 impl Wide {
     pub(crate) fn closest_of_many(
@@ -23,7 +96,8 @@ impl Wide {
         hits: &mut Hits,
     ) {
         hits.clear(rays.len());
-        dispatch!(self.level, simd => self.closest_many(simd, pieces, frame, rays, hits));
+        let target = Target { wide: self, pieces, frame };
+        dispatch!(self.level, simd => target.answer(simd, rays, rays.len(), hits));
     }
 
     pub(crate) fn any_of_many(
@@ -33,98 +107,67 @@ impl Wide {
         rays: &Rays<'_>,
         hits: &mut [bool],
     ) {
-        dispatch!(self.level, simd => self.any_many(simd, pieces, frame, rays, hits));
+        let count = rays.len().min(hits.len());
+        let hits = &mut hits[..count];
+        hits.fill(false);
+        let target = Target { wide: self, pieces, frame };
+        dispatch!(self.level, simd => target.answer(simd, rays, count, hits));
     }
+}
 
+impl Target<'_> {
+    /// Answers the first `count` rays.
     #[inline(always)]
-    fn closest_many<S: Simd>(
+    fn answer<S: Simd, A: Answers + ?Sized>(
         &self,
         simd: S,
-        pieces: &[Piece],
-        frame: &Frame,
         rays: &Rays<'_>,
-        hits: &mut Hits,
+        count: usize,
+        answers: &mut A,
     ) {
-        let one = |index: usize, hits: &mut Hits| {
-            hits.set(index, self.closest(pieces, frame, &rays.get(index)));
-        };
+        let &Self { wide, frame, .. } = self;
         let mut lot = Lot::new();
-        let whole = whole(frame, rays.len());
+        let whole = whole(frame, count);
         for start in (0..whole).step_by(SIXTEEN) {
-            if pass(simd, self, rays, start) && pass(simd, self, rays, start + WIDTH) {
+            if pass(simd, wide, rays, start) && pass(simd, wide, rays, start + WIDTH) {
                 continue;
             }
             let near = [
-                Near::new(simd, self, frame, rays, start),
-                Near::new(simd, self, frame, rays, start + WIDTH),
+                Near::new(simd, wide, frame, rays, start),
+                Near::new(simd, wide, frame, rays, start + WIDTH),
             ];
             lot.refuse(&near, start);
             if near[0].meets | near[1].meets != 0 {
                 match Packet::new(simd, &near) {
                     Some(packet) => {
-                        self.closest_together(simd, &packet, start, hits, &mut lot.single);
+                        answers.together(simd, wide, &packet, start, &mut lot.single);
                     }
                     None => {
                         lot.take(simd, &near[0], start);
                         lot.take(simd, &near[1], start + WIDTH);
                         if lot.is_full() {
-                            self.closest_apart(simd, &mut lot, hits);
+                            answers.apart(simd, wide, &mut lot);
                         }
                     }
                 }
             }
             if lot.single.len() >= OVER {
-                lot.single.drain(..).for_each(|index| one(index, hits));
+                self.answer_one_by_one(rays, lot.single.drain(..), answers);
             }
         }
-        self.closest_apart(simd, &mut lot, hits);
-        lot.single.drain(..).chain(whole..rays.len()).for_each(|index| one(index, hits));
+        answers.apart(simd, wide, &mut lot);
+        self.answer_one_by_one(rays, lot.single.into_iter().chain(whole..count), answers);
     }
 
-    #[inline(always)]
-    fn any_many<S: Simd>(
+    fn answer_one_by_one<A: Answers + ?Sized>(
         &self,
-        simd: S,
-        pieces: &[Piece],
-        frame: &Frame,
         rays: &Rays<'_>,
-        hits: &mut [bool],
+        numbers: impl Iterator<Item = usize>,
+        answers: &mut A,
     ) {
-        let count = rays.len().min(hits.len());
-        let hits = &mut hits[..count];
-        hits.fill(false);
-        let one = |index: usize, hits: &mut [bool]| {
-            hits[index] = self.any(pieces, frame, &rays.get(index));
-        };
-        let mut lot = Lot::new();
-        let whole = whole(frame, count);
-        for start in (0..whole).step_by(SIXTEEN) {
-            if pass(simd, self, rays, start) && pass(simd, self, rays, start + WIDTH) {
-                continue;
-            }
-            let near = [
-                Near::new(simd, self, frame, rays, start),
-                Near::new(simd, self, frame, rays, start + WIDTH),
-            ];
-            lot.refuse(&near, start);
-            if near[0].meets | near[1].meets != 0 {
-                match Packet::new(simd, &near) {
-                    Some(packet) => self.any_together(simd, &packet, start, hits, &mut lot.single),
-                    None => {
-                        lot.take(simd, &near[0], start);
-                        lot.take(simd, &near[1], start + WIDTH);
-                        if lot.is_full() {
-                            self.any_apart(simd, &mut lot, hits);
-                        }
-                    }
-                }
-            }
-            if lot.single.len() >= OVER {
-                lot.single.drain(..).for_each(|index| one(index, hits));
-            }
+        for index in numbers {
+            answers.one(self, index, &rays.get(index));
         }
-        self.any_apart(simd, &mut lot, hits);
-        lot.single.drain(..).chain(whole..count).for_each(|index| one(index, hits));
     }
 }
 

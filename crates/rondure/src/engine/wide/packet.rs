@@ -30,6 +30,12 @@ const WIDEST: f32 = 1.0 / 16.0;
 const MOST_BLOCKS: usize = 32;
 /// More than the rounding of a sum of two numbers, as a part of it.
 const ROUNDED: f32 = 2.0 * f32::EPSILON;
+/// More than the diagonal of a square of side 1.
+const DIAGONAL: f32 = 1.5;
+/// A direction that is farther from another than this part of its length is not alike.
+const TURNED: f32 = 0.25;
+/// No point of the surface is farther from its centre.
+const RADIUS: f32 = 2.0;
 /// More than the roundings of a width.
 const WIDER: f32 = 1.001;
 
@@ -59,39 +65,27 @@ impl<'a, S: Simd> Packet<'a, S> {
         let one = near[first / WIDTH % 2].course(first % WIDTH);
         let [n, m] = near;
         let (o, d) = (one.origin, one.direction);
-        let across = [
-            apart(simd, n.origin[0], m.origin[0], o.x).max(apart(
-                simd,
-                n.origin[1],
-                m.origin[1],
-                o.y,
-            )),
-            apart(simd, n.direction[0], m.direction[0], d.x).max(apart(
-                simd,
-                n.direction[1],
-                m.direction[1],
-                d.y,
-            )),
-        ];
-        let along = [
-            apart(simd, n.origin[2], m.origin[2], o.z),
-            apart(simd, n.direction[2], m.direction[2], d.z),
-        ];
-        let o_across = mask.select(across[0], zero).reduce_max();
-        let d_across = mask.select(across[1], zero).reduce_max();
-        let o_along = mask.select(along[0], zero).reduce_max();
-        let d_along = mask.select(along[1], zero).reduce_max();
+        let o_x = apart(simd, n.origin[0], m.origin[0], o.x);
+        let o_y = apart(simd, n.origin[1], m.origin[1], o.y);
+        let o_z = apart(simd, n.origin[2], m.origin[2], o.z);
+        let d_x = apart(simd, n.direction[0], m.direction[0], d.x);
+        let d_y = apart(simd, n.direction[1], m.direction[1], d.y);
+        let d_z = apart(simd, n.direction[2], m.direction[2], d.z);
+        let o_across = mask.select(o_x.max(o_y), zero).reduce_max();
+        let d_across = mask.select(d_x.max(d_y), zero).reduce_max();
+        let o_along = mask.select(o_z, zero).reduce_max();
+        let d_along = mask.select(d_z, zero).reduce_max();
         let length = (one.length2 as f32).sqrt();
         // Lengths of differences, or more.
-        let [o_apart, d_apart] = [1.5 * o_across + o_along, 1.5 * d_across + d_along];
+        let [o_apart, d_apart] = [DIAGONAL * o_across + o_along, DIAGONAL * d_across + d_along];
         // False where one is not a number.
-        let turned_little = d_apart <= 0.25 * length;
+        let turned_little = d_apart <= TURNED * length;
         if !turned_little {
             return None;
         }
         // No ray is still near the surface after that.
-        let latest = (o.length() as f32 + o_apart + 2.0 * WIDER) / (length - d_apart) * WIDER;
-        let across = 1.5 * (o_across + latest * d_across) * WIDER;
+        let latest = (o.length() as f32 + o_apart + RADIUS * WIDER) / (length - d_apart) * WIDER;
+        let across = DIAGONAL * (o_across + latest * d_across) * WIDER;
         let along = (o_along + latest * d_along) * WIDER;
         if !(across <= WIDEST && along <= WIDEST) {
             return None;
