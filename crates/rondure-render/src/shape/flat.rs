@@ -158,6 +158,18 @@ mod tests {
     }
 
     #[test]
+    fn rays_leave_a_plane_from_its_own_point_too() {
+        for normal in [Vec3::Z, Vec3::new(3.0, -4.0, 0.0)] {
+            let plane = Plane::new(Vec3::ZERO, normal);
+            let onto = Ray::new(normal * 2.0, normal * -1.0);
+            let hit = plane.interaction(&onto, plane.closest(&onto).unwrap());
+            for direction in [normal, normal * -0.5] {
+                assert_eq!(plane.closest(&hit.spawn(direction)), None, "{hit:?}");
+            }
+        }
+    }
+
+    #[test]
     fn rays_along_the_plane_miss() {
         let plane = Plane::new(Vec3::ZERO, Vec3::Z);
         assert_eq!(plane.closest(&Ray::new(Vec3::new(0.0, 0.0, 1.0), Vec3::X)), None);

@@ -81,10 +81,11 @@ fn hit_at(t: f64) -> Hit {
 /// sum with the centre.
 ///
 /// It is twice what the shapes here need, so that a ray that starts this far off stays on its side
-/// when its own origin is subtracted from the centre again.
+/// when its own origin is subtracted from the centre again. The least is a number at all: at the world's origin nothing
+/// is rounded, but there, too, the ray has to start on a side.
 #[inline]
 fn point_error(center: Vec3, extent: f64) -> f64 {
-    gamma(32) * (center.max_abs() + extent)
+    gamma(32) * (center.max_abs() + extent) + f64::MIN_POSITIVE
 }
 
 /// The box grown by the rounding of its own corners.
