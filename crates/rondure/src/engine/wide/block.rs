@@ -2,8 +2,9 @@
 //! f32.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, SimdFloat, f32x8};
+use fearless_simd::{Simd, SimdFloat, f32x8, f64x8, mask32x8};
 
+use super::arithmetic::{Best, Fused};
 use super::boxes::{Extent, PADDING};
 use super::course::Course;
 use super::meet::{Beam, Meeting, Shells, meet};
@@ -49,8 +50,12 @@ pub(super) struct Block {
     room: Lanes,
     /// The same for tau, for any length.
     blur: Lanes,
+    /// The parameter on the piece by powers of lambda; see [`Guess`](super::quadric::Guess).
+    guess: [Lanes; 4],
     /// From where z and w count.
     corner: [f64; 2],
+    /// In which lanes that is the square of the distance from an end on the axis: the start, or the end.
+    poles: [u32; 2],
 }
 
 impl Block {
@@ -67,7 +72,9 @@ impl Block {
         bend: [0.0; LANES],
         room: [0.0; LANES],
         blur: [0.0; LANES],
+        guess: [[0.0; LANES]; 4],
         corner: [0.0; 2],
+        poles: [0; 2],
     };
 
     /// A block of leaves within `extent`.
@@ -124,6 +131,12 @@ impl Block {
         for (lanes, own) in self.lambda.iter_mut().zip([lz, lw, l0]) {
             lanes[lane] = own as f32;
         }
+        for (lanes, own) in self.guess.iter_mut().zip(q.guess.by_powers) {
+            lanes[lane] = own as f32;
+        }
+        if let Some(pole) = q.guess.pole {
+            self.poles[usize::from(pole != 0)] |= 1 << lane;
+        }
         self.height[lane] = (q.height + 8.0 * ROUNDOFF * height + EXACT) as f32;
         self.tangency[lane] = finite(SLACK * tangency);
         self.bend[lane] = finite(2.0 * SLACK * error);
@@ -141,11 +154,11 @@ impl Block {
         origin: f32,
         end: f64,
     ) -> Meeting<f32x8<S>> {
-        let origin = f64::from(origin);
-        let own_b = ray.a * origin + ray.b;
-        // w there, which is (own_b + b) origin + c.
-        let own_c = (own_b + ray.b) * origin + (ray.c - self.corner[1]);
-        let own_z = ray.direction.z * origin + (ray.origin.z - self.corner[0]);
+        let (origin, fma) = (f64::from(origin), Best(simd));
+        let own_b = fma.fused(ray.a, origin, ray.b);
+        let slope = fma.fused(ray.a, origin, ray.b + ray.b);
+        let own_c = fma.fused(slope, origin, ray.c - self.corner[1]);
+        let own_z = fma.fused(ray.direction.z, origin, ray.origin.z - self.corner[0]);
         let (dz, length2) = (ray.direction.z as f32, ray.length2 as f32);
         let beam = Beam {
             a: splat(simd, ray.a as f32),
@@ -202,6 +215,39 @@ impl Block {
         }
     }
 
+    /// The parameters on the pieces about where lambda is this in each lane.
+    #[inline(always)]
+    pub(super) fn guess<S: Simd>(&self, simd: S, lambda: f32x8<S>) -> f32x8<S> {
+        let [g0, g1, g2, g3] = &self.guess;
+        let value = load(simd, g3).mul_add(lambda, load(simd, g2));
+        let value = value.mul_add(lambda, load(simd, g1)).mul_add(lambda, load(simd, g0));
+        let [start, end] = self.poles;
+        if start | end == 0 {
+            return value;
+        }
+        let distance = value.max(splat(simd, 0.0)).sqrt();
+        let start = mask32x8::from_bitmask(simd, u64::from(start));
+        let end = mask32x8::from_bitmask(simd, u64::from(end));
+        let value = start.select(distance, value);
+        end.select(splat(simd, 1.0) - distance, value)
+    }
+
+    /// The same in one of the lanes, for eight rays.
+    #[inline(always)]
+    pub(super) fn guesses<S: Simd>(&self, simd: S, lane: usize, lambda: f64x8<S>) -> f64x8<S> {
+        let lane = lane % LANES;
+        let [g0, g1, g2, g3] = &self.guess;
+        let value = wide(simd, g3[lane]).mul_add(lambda, wide(simd, g2[lane]));
+        let value = value.mul_add(lambda, wide(simd, g1[lane]));
+        let value = value.mul_add(lambda, wide(simd, g0[lane]));
+        let [start, end] = self.poles;
+        if (start | end) >> lane & 1 == 0 {
+            return value;
+        }
+        let distance = value.max(wide(simd, 0.0)).sqrt();
+        if start >> lane & 1 != 0 { distance } else { wide(simd, 1.0) - distance }
+    }
+
     /// From where z and w count.
     #[inline(always)]
     pub(super) fn corner(&self) -> [f64; 2] {
@@ -217,4 +263,9 @@ fn load<S: Simd>(simd: S, lanes: &Lanes) -> f32x8<S> {
 #[inline(always)]
 fn splat<S: Simd>(simd: S, value: f32) -> f32x8<S> {
     f32x8::splat(simd, value)
+}
+
+#[inline(always)]
+fn wide<S: Simd>(simd: S, value: f32) -> f64x8<S> {
+    f64x8::splat(simd, f64::from(value))
 }

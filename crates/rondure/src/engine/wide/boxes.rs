@@ -5,9 +5,10 @@
 //! stretch lies within the inner cylinder if both its ends do.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, SimdFloat, f32x8};
+use fearless_simd::{Simd, SimdFloat, f32x8, mask32x8};
 
 use super::course::{Course, NEAR};
+use super::order;
 
 /// How many boxes belong together.
 pub(super) const WIDTH: usize = 16;
@@ -149,14 +150,14 @@ pub(super) struct Walls<V> {
     w: [V; 2],
 }
 
-/// In which lanes a ray meets a box before `end`, and where it enters it.
+/// Where a ray enters boxes, and in which lanes it meets one before `end`.
 #[inline(always)]
 pub(super) fn enter<S: Simd, V: SimdFloat<S, Element = f32>>(
     simd: S,
     walls: &Walls<V>,
     ray: &Slabs<V>,
     end: V,
-) -> (V, u32) {
+) -> (V, V::Mask) {
     let &Slabs { a, b, c, oz, per_a, per_dz, start } = ray;
     let t0 = (walls.z[0] - oz) * per_dz;
     let t1 = (walls.z[1] - oz) * per_dz;
@@ -172,7 +173,7 @@ pub(super) fn enter<S: Simd, V: SimdFloat<S, Element = f32>>(
     let mask = enter.simd_le(leave)
         & discriminant.simd_ge(zero)
         & w_enter.max(w_leave).simd_ge(walls.w[0]);
-    (enter, mask.to_bitmask() as u32)
+    (enter, mask)
 }
 
 /// A bundle of rays: the points of each are no farther than `across`, seen along the axis, and `along` it from the point
@@ -195,7 +196,8 @@ impl Boxes {
         boxes
     }
 
-    /// Which boxes the ray meets before `end`, as a set of bits; where it enters each goes to `enter`.
+    /// Which boxes the ray meets before `end`, as a set of bits; where it enters each goes to `enter`. The number of one
+    /// that it enters first, or nearly so, comes with it, if there is any.
     #[inline(always)]
     pub(super) fn test<S: Simd>(
         &self,
@@ -203,13 +205,18 @@ impl Boxes {
         ray: &Slabs,
         end: f32,
         enter: &mut [f32; WIDTH],
-    ) -> u32 {
+    ) -> (u32, usize) {
         let (first, second) = enter.split_at_mut(HALF);
-        let mut mask = self.halves[0].test(simd, ray, end, first);
+        let (near, mask) = self.halves[0].test(simd, ray, end);
+        near.store_slice(first);
+        let (mut set, mut keys) = (mask.to_bitmask() as u32, order::keys(simd, near, mask, 0));
         if self.len > HALF {
-            mask |= self.halves[1].test(simd, ray, end, second) << HALF;
+            let (far, mask) = self.halves[1].test(simd, ray, end);
+            far.store_slice(second);
+            set |= (mask.to_bitmask() as u32) << HALF;
+            keys = keys.min(order::keys(simd, far, mask, 1));
         }
-        mask
+        (set, order::number(keys))
     }
 
     /// The same for a bundle of rays: where the ray in its middle would enter the boxes as they grow by its width.
@@ -260,11 +267,9 @@ impl Half {
     }
 
     #[inline(always)]
-    fn test<S: Simd>(&self, simd: S, ray: &Slabs, end: f32, enters: &mut [f32]) -> u32 {
+    fn test<S: Simd>(&self, simd: S, ray: &Slabs, end: f32) -> (f32x8<S>, mask32x8<S>) {
         let end = f32x8::splat(simd, end);
-        let (enter, mask) = enter::<S, f32x8<S>>(simd, &self.walls(simd), &ray.splat(simd), end);
-        enter.store_slice(enters);
-        mask
+        enter::<S, f32x8<S>>(simd, &self.walls(simd), &ray.splat(simd), end)
     }
 
     #[inline(always)]
@@ -285,7 +290,7 @@ impl Half {
         let end = f32x8::splat(simd, bundle.end);
         let (enter, mask) = enter::<S, f32x8<S>>(simd, &walls, &bundle.ray.splat(simd), end);
         enter.store_slice(enters);
-        mask
+        mask.to_bitmask() as u32
     }
 }
 
@@ -366,10 +371,12 @@ mod tests {
             let mut enter = [0.0; WIDTH];
             let boxes = Boxes::new(&extents);
             let slabs = Slabs::new(&course);
-            let mask = dispatch!(Level::new(), simd => {
+            let (mask, first) = dispatch!(Level::new(), simd => {
                 boxes.test(simd, &slabs, f32::INFINITY, &mut enter)
             });
             assert_eq!(mask, 0xffff, "{course:?} {extents:?}");
+            let least = enter.iter().fold(f32::INFINITY, |least, &e| least.min(e)).max(0.0);
+            assert!(enter[first] <= least * (1.0 + 1e-5), "{enter:?} {first}");
             assert!(
                 enter.iter().all(|&e| f64::from(e) <= tau * (1.0 + 1e-6) + 1e-6),
                 "{enter:?} {tau}"

@@ -9,9 +9,6 @@
 //! ray's x and y, which keeps it exact near the axis. Two steps do; what takes longer, or leads
 //! elsewhere, is left to the exact engine.
 
-use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f64x8};
-
 use super::arithmetic::{Fused, lesser};
 use super::course::Course;
 use super::eight::WIDTH;
@@ -33,24 +30,20 @@ pub(super) struct Curve {
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub(super) struct Leaf {
-    /// The parameter on the piece by powers of lambda; see [`Guess`](super::quadric::Guess).
-    guess: [f32; 4],
     /// Between which parameters what the block says of it holds.
     valid: [f32; 2],
     piece: u32,
-    /// [`CONIC`], [`POLE`] and [`POLE_AT_END`].
+    /// [`CONIC`], or nothing.
     flags: u32,
 }
 
 const CONIC: u32 = 1;
-/// `guess` is the square of the distance from an end on the axis.
-const POLE: u32 = 2;
-const POLE_AT_END: u32 = 4;
 
 /// Where a leaf may be hit.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Spot {
-    pub(super) lambda: f64,
+    /// About which parameter on the piece, and on the ray.
+    pub(super) s: f64,
     pub(super) tau: f64,
     /// How far off tau may be.
     pub(super) blur: f64,
@@ -67,9 +60,21 @@ pub(super) enum Finding {
     Unknown,
 }
 
+/// A hit for certain, as [`Finding::Hit`] has it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Certain {
+    pub(super) tau: f64,
+    pub(super) s: f64,
+    pub(super) margin: f64,
+}
+
 /// A step in s, or along the ray, whose square is no more than this times r is the last: what remains of f is some multiple
 /// of that square, and of g, whose own rounding shrinks with r, too.
-pub(super) const LAST_STEP2: f64 = 1.0 / (1_u64 << 54) as f64;
+pub(super) const LAST_STEP2: f64 = LAST_STEP * LAST_STEP;
+/// No last step in s is longer.
+const LAST_STEP: f64 = 1.0 / (1_u64 << 27) as f64;
+/// What part of the blur the last step in tau may be for a hit that is certain at a glance.
+const LAST_PART: f64 = 1.0 / 8.0;
 /// More than two are needed only near an end on the axis, and near a tangency.
 const MORE_STEPS: u32 = 3;
 
@@ -140,18 +145,8 @@ fn cubic(fma: impl Fused, c: &[f64; 4], s: f64) -> [f64; 2] {
 
 impl Leaf {
     pub(super) fn new(kind: Kind, piece: u32, fit: &Quadric) -> Self {
-        let conic = if matches!(kind, Kind::Conic(_)) { CONIC } else { 0 };
-        let pole = match fit.guess.pole {
-            None => 0,
-            Some(0) => POLE,
-            Some(_) => POLE | POLE_AT_END,
-        };
-        Self {
-            guess: fit.guess.by_powers.map(|c| c as f32),
-            valid: fit.valid.map(|s| s as f32),
-            piece,
-            flags: conic | pole,
-        }
+        let flags = if matches!(kind, Kind::Conic(_)) { CONIC } else { 0 };
+        Self { valid: fit.valid.map(|s| s as f32), piece, flags }
     }
 
     /// The piece that it is a part of.
@@ -196,7 +191,7 @@ impl Leaf {
         course: &Course,
         spot: Spot,
     ) -> Finding {
-        let first = Step::new::<CONIC>(fma, curve, course, self.guess(fma, spot.lambda), spot.tau);
+        let first = Step::new::<CONIC>(fma, curve, course, spot.s, spot.tau);
         let mut step = Step::new::<CONIC>(fma, curve, course, first.s, first.tau);
         let mut more = MORE_STEPS;
         // Also where one is not a number.
@@ -234,36 +229,60 @@ impl Leaf {
         Finding::Unknown
     }
 
+    /// The hit at a spot, if it is certain at a glance that it is there: whatever must hold of it is asked
+    /// of where Newton's last step but one leads, with room for the last one, and so need not wait for that.
     #[inline(always)]
-    pub(super) fn guess(&self, fma: impl Fused, lambda: f64) -> f64 {
-        let [c0, c1, c2, c3] = self.guess.map(f64::from);
-        let value = fma.fused(fma.fused(fma.fused(c3, lambda, c2), lambda, c1), lambda, c0);
-        if self.flags & POLE == 0 {
-            return value;
+    pub(super) fn quick(
+        &self,
+        fma: impl Fused,
+        curves: &[Curve],
+        course: &Course,
+        spot: Spot,
+    ) -> Option<Certain> {
+        let curve = &curves[self.piece as usize];
+        if self.flags & CONIC != 0 {
+            self.quick_on::<true>(fma, curve, course, spot)
+        } else {
+            self.quick_on::<false>(fma, curve, course, spot)
         }
-        let distance = if value > 0.0 { value.sqrt() } else { 0.0 };
-        if self.flags & POLE_AT_END == 0 { distance } else { 1.0 - distance }
     }
-}
 
-impl Leaf {
-    /// As [`guess`](Self::guess), for eight rays.
     #[inline(always)]
-    pub(super) fn guesses<S: Simd>(&self, simd: S, lambda: f64x8<S>) -> f64x8<S> {
-        let [c0, c1, c2, c3] = self.guess;
-        let value = splat(simd, c3).mul_add(lambda, splat(simd, c2));
-        let value = value.mul_add(lambda, splat(simd, c1)).mul_add(lambda, splat(simd, c0));
-        if self.flags & POLE == 0 {
-            return value;
+    fn quick_on<const CONIC: bool>(
+        &self,
+        fma: impl Fused,
+        curve: &Curve,
+        course: &Course,
+        spot: Spot,
+    ) -> Option<Certain> {
+        let first = Step::new::<CONIC>(fma, curve, course, spot.s, spot.tau);
+        let (mut s, mut tau) = (first.s, first.tau);
+        let mut step = Step::new::<CONIC>(fma, curve, course, s, tau);
+        let mut more = MORE_STEPS;
+        while !step.is_last(course) {
+            if more == 0 {
+                return None;
+            }
+            more -= 1;
+            (s, tau) = (step.s, step.tau);
+            step = Step::new::<CONIC>(fma, curve, course, s, tau);
         }
-        let distance = value.max(splat(simd, 0.0)).sqrt();
-        if self.flags & POLE_AT_END == 0 { distance } else { splat(simd, 1.0) - distance }
+        let room = LAST_PART * spot.blur;
+        let there = (tau - spot.tau).abs() <= (2.0 - LAST_PART) * spot.blur;
+        let [low, high] = self.valid();
+        let valid = s >= low + LAST_STEP && s <= high - LAST_STEP;
+        // As in `judge`, times the determinant.
+        let size = 2.0 + course.far + (tau.abs() + room) * course.turn;
+        let (rounding, determinant) = (ROUNDING * size, step.determinant.abs());
+        let on_piece = (lesser(s, 1.0 - s) - LAST_STEP) * determinant > rounding * step.along;
+        let [start, end] = course.range;
+        let off = 4.0 * UNIT_ROUNDOFF * (tau.abs() + room + course.shift.abs());
+        let in_range =
+            (lesser(tau - start, end - tau) - room - off) * determinant > rounding * step.across;
+        let sure = there & valid & on_piece & in_range & (step.by_tau.abs() <= room);
+        let margin = rounding * step.across * step.per.abs() + off;
+        sure.then_some(Certain { tau: step.tau, s: step.s, margin })
     }
-}
-
-#[inline(always)]
-fn splat<S: Simd>(simd: S, value: f32) -> f64x8<S> {
-    f64x8::splat(simd, f64::from(value))
 }
 
 /// A step of Newton's, and where it leads.
@@ -274,7 +293,8 @@ struct Step {
     by_tau: f64,
     /// The radius before the step.
     r: f64,
-    /// One over the determinant.
+    determinant: f64,
+    /// One over that.
     per: f64,
     /// By how much rounding in f and g, per unit of length, moves s and tau, times the determinant.
     along: f64,
@@ -298,7 +318,8 @@ impl Step {
         let g = 0.5 * ((x * x + y * y) - r * r);
         let rho = x * d.x + y * d.y;
         let w = r * dr;
-        let per = 1.0 / fma.fused(dz, rho, -(w * d.z));
+        let determinant = fma.fused(dz, rho, -(w * d.z));
+        let per = 1.0 / determinant;
         let by_s = fma.fused(f, rho, d.z * g) * per;
         let by_tau = fma.fused(dz, g, w * f) * per;
         Self {
@@ -307,6 +328,7 @@ impl Step {
             by_s,
             by_tau,
             r,
+            determinant,
             per,
             along: fma.fused(d.z.abs(), r, rho.abs()),
             across: r * (dr.abs() + dz.abs()),

@@ -160,7 +160,7 @@ impl Wide {
                 }
                 continue;
             }
-            let mut spots = Spots::new(&meeting, enter);
+            let mut spots = Spots::new(simd, &self.blocks[block], &meeting, enter);
             let (lane, spot) = spots.first(simd);
             let next = spots.least(simd).min(f64::from(next));
             lot.tasks.push(Task { ray, leaf: (block * LANES + lane) as u32, spot, next });
@@ -190,7 +190,7 @@ impl Wide {
                 ];
                 let [low, high] = leaf.valid();
                 eight.spots[i] = [
-                    leaf.guess(Best(simd), task.spot.lambda),
+                    task.spot.s,
                     task.spot.tau,
                     task.spot.blur,
                     lot.range[0][ray],

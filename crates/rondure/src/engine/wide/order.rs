@@ -8,33 +8,47 @@ const NUMBER: u32 = 15;
 
 const NUMBERS: [[u32; 8]; 2] = [[0, 1, 2, 3, 4, 5, 6, 7], [8, 9, 10, 11, 12, 13, 14, 15]];
 
-/// Of sixteen values those that are in the mask: a number for each that is in their order, with their own number in
-/// its last bits. Values that differ by less than 2^-19 of themselves, and those that are
+/// Eight values, of the first or the second half of sixteen: for each in the mask a number that is in their order, with
+/// its place among the sixteen in its last bits. Values that differ by less than 2^-19 of themselves, and those that are
 /// negative, count as equal. The bits of positive floats are in order as they are.
 #[inline(always)]
-fn keys<S: Simd>(simd: S, values: [f32x8<S>; 2], mask: u32) -> u32 {
-    let zero = f32x8::splat(simd, 0.0);
-    let value = u32x8::splat(simd, !NUMBER);
-    let none = u32x8::splat(simd, u32::MAX);
-    let bits: [u32x8<S>; 2] = [values[0].max(zero).bitcast(), values[1].max(zero).bitcast()];
-    let first = (bits[0] & value) | u32x8::from_slice(simd, &NUMBERS[0]);
-    let second = (bits[1] & value) | u32x8::from_slice(simd, &NUMBERS[1]);
-    let first = mask32x8::from_bitmask(simd, u64::from(mask & 0xff)).select(first, none);
-    let second = mask32x8::from_bitmask(simd, u64::from(mask >> 8)).select(second, none);
-    first.min(second).reduce_min()
+pub(super) fn keys<S: Simd>(
+    simd: S,
+    values: f32x8<S>,
+    mask: mask32x8<S>,
+    half: usize,
+) -> u32x8<S> {
+    let bits: u32x8<S> = values.max(f32x8::splat(simd, 0.0)).bitcast();
+    let numbers = u32x8::from_slice(simd, &NUMBERS[half]);
+    let keys = (bits & u32x8::splat(simd, !NUMBER)) | numbers;
+    mask.select(keys, u32x8::splat(simd, u32::MAX))
+}
+
+/// The place of the least key.
+#[inline(always)]
+pub(super) fn number<S: Simd>(keys: u32x8<S>) -> usize {
+    (keys.reduce_min() & NUMBER) as usize
+}
+
+/// The least key of sixteen values in a mask.
+#[inline(always)]
+fn least_key<S: Simd>(simd: S, values: [f32x8<S>; 2], mask: u32) -> u32 {
+    let first = mask32x8::from_bitmask(simd, u64::from(mask & 0xff));
+    let second = mask32x8::from_bitmask(simd, u64::from(mask >> 8));
+    keys(simd, values[0], first, 0).min(keys(simd, values[1], second, 1)).reduce_min()
 }
 
 /// The number of the least value in the mask, or nearly the least.
 #[inline(always)]
 pub(super) fn first<S: Simd>(simd: S, values: [f32x8<S>; 2], mask: u32) -> usize {
-    (keys(simd, values, mask) & NUMBER) as usize
+    (least_key(simd, values, mask) & NUMBER) as usize
 }
 
 /// No more than the least value in the mask, and not much less: minus infinity if it is negative, infinity if there
 /// is none.
 #[inline(always)]
 pub(super) fn least<S: Simd>(simd: S, values: [f32x8<S>; 2], mask: u32) -> f32 {
-    let least = f32::from_bits(keys(simd, values, mask) & !NUMBER);
+    let least = f32::from_bits(least_key(simd, values, mask) & !NUMBER);
     if least > 0.0 {
         least
     } else if mask == 0 {

@@ -299,7 +299,8 @@ impl Wide {
             }
             let walls = self.levels[0][block / BOXES].walls::<S, f32x16<S>>(simd, block % BOXES);
             let end = packet.end.min(nearest.high);
-            let (enter, met) = boxes::enter(simd, &walls, &packet.slabs, end);
+            let (enter, mask) = boxes::enter(simd, &walls, &packet.slabs, end);
+            let met = mask.to_bitmask() as u32;
             let met = met & packet.meets;
             if met == 0 {
                 continue;
@@ -349,7 +350,8 @@ impl Wide {
             let number = nearest.leaf[left.trailing_zeros() as usize % SIXTEEN];
             let same = nearest.leaf.simd_eq(u32x16::splat(simd, number)).to_bitmask() as u32 & left;
             left &= !same;
-            let leaf = &self.leaves[number as usize];
+            let (block, lane) = (number as usize / LANES, number as usize % LANES);
+            let (block, leaf) = (&self.blocks[block], &self.leaves[number as usize]);
             let mut curve = [f64x8::splat(simd, 0.0); WIDTH];
             for (column, c) in curve.iter_mut().zip(self.curves[leaf.piece() as usize].powers()) {
                 *column = f64x8::splat(simd, c);
@@ -368,7 +370,7 @@ impl Wide {
                     direction: near.direction,
                     length2: near.length2,
                     far: near.far,
-                    s: leaf.guesses(simd, lambda[half]),
+                    s: block.guesses(simd, lane, lambda[half]),
                     tau: origin[half] + tau[half],
                     blur: blur[half],
                     range: [near.range[0], near.range[1].min(next[half])],
@@ -409,7 +411,8 @@ impl Wide {
         let (mut waiting, mut unsure) = (packet.meets, 0);
         for (_, block) in stops {
             let walls = self.levels[0][block / BOXES].walls::<S, f32x16<S>>(simd, block % BOXES);
-            let (enter, met) = boxes::enter(simd, &walls, &packet.slabs, packet.end);
+            let (enter, mask) = boxes::enter(simd, &walls, &packet.slabs, packet.end);
+            let met = mask.to_bitmask() as u32;
             let met = met & waiting;
             if met == 0 {
                 continue;

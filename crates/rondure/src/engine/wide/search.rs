@@ -5,8 +5,8 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
 use super::Wide;
-use super::arithmetic::Best;
-use super::block::LANES;
+use super::arithmetic::{Best, lesser};
+use super::block::{Block, LANES};
 use super::course::Course;
 use super::exactly::sort;
 use super::leaf::{Finding, Spot};
@@ -56,6 +56,12 @@ impl Nearest {
             *self = Self { tau, s, piece, margin, doubt: self.doubt };
         }
     }
+
+    #[inline(always)]
+    fn hit(&self, course: &Course) -> Option<Hit> {
+        let t = self.tau + course.shift;
+        (t < f64::INFINITY).then_some(Hit { t, piece: self.piece, s: self.s })
+    }
 }
 
 /// The spots of a block: the first roots of its leaves, then the second ones.
@@ -68,22 +74,27 @@ pub(super) struct Spots<S: Simd> {
     pub(super) waiting: u32,
     /// Their numbers.
     tau: [f32; 2 * LANES],
-    lambda: [f32; 2 * LANES],
+    s: [f32; 2 * LANES],
     blur: [f32; LANES],
 }
 
 impl<S: Simd> Spots<S> {
     #[inline(always)]
-    pub(super) fn new(meeting: &Meeting<f32x8<S>>, origin: f32) -> Self {
-        let (mut tau, mut lambda) = ([0.0; 2 * LANES], [0.0; 2 * LANES]);
+    pub(super) fn new(
+        simd: S,
+        block: &Block,
+        meeting: &Meeting<f32x8<S>>,
+        origin: f32,
+    ) -> Self {
+        let (mut tau, mut s) = ([0.0; 2 * LANES], [0.0; 2 * LANES]);
         let mut blur = [0.0; LANES];
         meeting.tau[0].store_slice(&mut tau[..LANES]);
         meeting.tau[1].store_slice(&mut tau[LANES..]);
-        meeting.lambda[0].store_slice(&mut lambda[..LANES]);
-        meeting.lambda[1].store_slice(&mut lambda[LANES..]);
+        block.guess(simd, meeting.lambda[0]).store_slice(&mut s[..LANES]);
+        block.guess(simd, meeting.lambda[1]).store_slice(&mut s[LANES..]);
         meeting.blur.store_array(&mut blur);
         let waiting = meeting.may[0] | meeting.may[1] << LANES;
-        Self { origin: f64::from(origin), low: meeting.low, waiting, tau, lambda, blur }
+        Self { origin: f64::from(origin), low: meeting.low, waiting, tau, s, blur }
     }
 
     /// Takes out the one that comes first, or nearly so, with its leaf's lane.
@@ -112,7 +123,7 @@ impl<S: Simd> Spots<S> {
         let number = number % (2 * LANES);
         Spot {
             tau: self.origin + f64::from(self.tau[number]),
-            lambda: f64::from(self.lambda[number]),
+            s: f64::from(self.s[number]),
             blur: f64::from(self.blur[number % LANES]),
         }
     }
@@ -137,27 +148,42 @@ impl Wide {
         course: &Course,
     ) -> Option<Hit> {
         let mut way = Way::new(simd, self, course);
-        // Most rays end at the first spot in the first block: no loop that keeps everything at hand.
-        let end = course.range[1];
-        let (block, enter) = way.next(simd, self, end)?;
-        let meeting = self.blocks[block].test::<S, false>(simd, course, enter, end);
-        if meeting.misses() && way.is_over(simd, end) {
-            return None;
-        }
-        if meeting.may_hit() && meeting.tangent == 0 {
-            let mut spots = Spots::new(&meeting, enter);
-            let (lane, spot) = spots.first(simd);
-            let leaf = &self.leaves[block * LANES + lane];
-            if let Finding::Hit { tau, s, .. } = leaf.hit(Best(simd), &self.curves, course, spot) {
-                spots.cut(simd, tau);
-                if spots.waiting == 0 && way.is_over(simd, tau) {
-                    return Some(Hit { t: tau + course.shift, piece: leaf.piece(), s });
+        let mut end = course.range[1];
+        let mut nearest = Nearest::NONE;
+        let mut stop = way.first(simd, self, end)?;
+        // Most rays end at the first spot in the first block that has any: no loop that keeps everything at hand.
+        loop {
+            let (block, enter) = stop;
+            let meeting = self.blocks[block].test::<S, false>(simd, course, enter, end);
+            if meeting.misses() {
+                stop = way.next(simd, self, end)?;
+                continue;
+            }
+            if meeting.may_hit() && meeting.tangent == 0 {
+                let mut spots = Spots::new(simd, &self.blocks[block], &meeting, enter);
+                let (lane, spot) = spots.first(simd);
+                let leaf = &self.leaves[block * LANES + lane];
+                if let Some(hit) = leaf.quick(Best(simd), &self.curves, course, spot) {
+                    spots.cut(simd, hit.tau);
+                    if spots.waiting == 0 {
+                        let piece = leaf.piece();
+                        if way.is_over(simd, hit.tau) {
+                            return Some(Hit { t: hit.tau + course.shift, piece, s: hit.s });
+                        }
+                        end = lesser(end, hit.tau);
+                        nearest.consider(hit.tau, hit.s, piece, hit.margin);
+                        stop = match way.next(simd, self, end) {
+                            Some(stop) => stop,
+                            None => return nearest.hit(course),
+                        };
+                    }
                 }
             }
+            break;
         }
         simd.vectorize(
             #[inline(always)]
-            || self.closest_along(simd, question, course, way, (block, enter)),
+            || self.closest_along(simd, question, course, way, stop, nearest),
         )
     }
 
@@ -170,9 +196,9 @@ impl Wide {
         course: &Course,
         mut way: Way,
         (mut block, mut enter): (usize, f32),
+        mut nearest: Nearest,
     ) -> Option<Hit> {
-        let mut nearest = Nearest::NONE;
-        let mut end = course.range[1];
+        let mut end = lesser(course.range[1], nearest.tau);
         loop {
             let meeting = self.blocks[block].test::<S, false>(simd, course, enter, end);
             let mut lanes = meeting.tangent;
@@ -181,7 +207,7 @@ impl Wide {
                 end = end.min(nearest.tau);
             }
             if meeting.may_hit() {
-                let mut spots = Spots::new(&meeting, enter);
+                let mut spots = Spots::new(simd, &self.blocks[block], &meeting, enter);
                 spots.cut(simd, end);
                 while spots.waiting != 0 {
                     let (lane, spot) = spots.first(simd);
@@ -204,8 +230,7 @@ impl Wide {
         if nearest.doubt {
             return self.closest_exactly(question);
         }
-        let t = nearest.tau + course.shift;
-        (t < f64::INFINITY).then_some(Hit { t, piece: nearest.piece, s: nearest.s })
+        nearest.hit(course)
     }
 
     /// Takes the lanes of a piece out of a set.
@@ -246,7 +271,7 @@ impl Wide {
     ) -> bool {
         let mut way = Way::new(simd, self, course);
         let end = course.range[1];
-        let Some((block, enter)) = way.next(simd, self, end) else { return false };
+        let Some((block, enter)) = way.first(simd, self, end) else { return false };
         let meeting = self.blocks[block].test::<S, true>(simd, course, enter, end);
         if meeting.sure != 0 {
             return true;
@@ -306,7 +331,7 @@ impl Wide {
         let end = course.range[1];
         let meeting = self.blocks[block].test::<S, false>(simd, course, enter, end);
         let mut unknown = meeting.tangent;
-        let mut spots = Spots::new(&meeting, enter);
+        let mut spots = Spots::new(simd, &self.blocks[block], &meeting, enter);
         while let Some((lane, spot)) = spots.take() {
             let leaf = &self.leaves[block * LANES + lane];
             match leaf.hit(Best(simd), &self.curves, course, spot) {
@@ -342,7 +367,7 @@ impl Wide {
             if !meeting.may_hit() {
                 continue;
             }
-            let mut spots = Spots::new(&meeting, enter);
+            let mut spots = Spots::new(simd, &self.blocks[block], &meeting, enter);
             while let Some((lane, spot)) = spots.take() {
                 let leaf = &self.leaves[block * LANES + lane];
                 match leaf.hit(Best(simd), &self.curves, course, spot) {
@@ -380,7 +405,7 @@ impl Wide {
             count.test();
             let meeting = self.blocks[block].test::<S, false>(simd, course, enter, end);
             let mut lanes = meeting.tangent;
-            let mut spots = Spots::new(&meeting, enter);
+            let mut spots = Spots::new(simd, &self.blocks[block], &meeting, enter);
             loop {
                 let lane = match take(&mut lanes) {
                     Some(lane) => lane,

@@ -26,6 +26,8 @@ pub(super) struct Way {
 struct Vector {
     enter: [f32; WIDTH],
     waiting: u32,
+    /// The one that the ray enters first, or nearly so, if it meets any.
+    first: usize,
     /// The number of the first box on its level.
     start: usize,
 }
@@ -38,6 +40,18 @@ impl Way {
         let level = wide.levels.len() - 1;
         let current = Vector::new(simd, wide, &slabs, level, 0, ray.range[1]);
         Self { slabs, level, current, above: ArrayVec::new() }
+    }
+
+    /// What [`next`](Self::next) would say on a way that begins, sooner.
+    #[inline(always)]
+    pub(super) fn first<S: Simd>(
+        &mut self,
+        simd: S,
+        wide: &Wide,
+        end: f64,
+    ) -> Option<(usize, f32)> {
+        let found = self.current.first();
+        self.down(simd, wide, found, end)
     }
 
     /// The way of no ray.
@@ -56,10 +70,24 @@ impl Way {
     /// The next block that the ray may meet before `end`, and where it enters the box round it.
     #[inline(always)]
     pub(super) fn next<S: Simd>(&mut self, simd: S, wide: &Wide, end: f64) -> Option<(usize, f32)> {
+        let found = self.current.next(simd, end);
+        self.down(simd, wide, found, end)
+    }
+
+    /// From a box that was found to the first block in it, or in the next one that has any.
+    #[inline(always)]
+    fn down<S: Simd>(
+        &mut self,
+        simd: S,
+        wide: &Wide,
+        mut found: Option<(usize, f32)>,
+        end: f64,
+    ) -> Option<(usize, f32)> {
         loop {
-            let Some((number, enter)) = self.current.next(simd, end) else {
+            let Some((number, enter)) = found else {
                 self.current = self.above.pop()?;
                 self.level += 1;
+                found = self.current.next(simd, end);
                 continue;
             };
             if self.level == 0 {
@@ -69,6 +97,7 @@ impl Way {
             let below = Vector::new(simd, wide, &self.slabs, self.level, number, end);
             // There are no more levels than there is room for.
             let _ = self.above.try_push(core::mem::replace(&mut self.current, below));
+            found = self.current.first();
         }
     }
 
@@ -94,8 +123,9 @@ impl Way {
 }
 
 impl Vector {
-    const NONE: Self = Self { enter: [0.0; WIDTH], waiting: 0, start: 0 };
+    const NONE: Self = Self { enter: [0.0; WIDTH], waiting: 0, first: 0, start: 0 };
 
+    /// Boxes of one level.
     #[inline(always)]
     fn new<S: Simd>(
         simd: S,
@@ -105,10 +135,16 @@ impl Vector {
         index: usize,
         end: f64,
     ) -> Self {
-        let mut vector = Self { enter: [0.0; WIDTH], waiting: 0, start: index * WIDTH };
+        let mut vector = Self { start: index * WIDTH, ..Self::NONE };
         let boxes = &wide.levels[level][index];
-        vector.waiting = boxes.test(simd, slabs, beyond(end), &mut vector.enter);
+        (vector.waiting, vector.first) = boxes.test(simd, slabs, beyond(end), &mut vector.enter);
         vector
+    }
+
+    /// The nearest box, if none has been taken out yet.
+    #[inline(always)]
+    fn first(&mut self) -> Option<(usize, f32)> {
+        self.take(self.first)
     }
 
     #[inline(always)]
@@ -143,6 +179,15 @@ impl Vector {
             return None;
         }
         let number = first(simd, self.enters(simd), self.waiting);
+        self.take(number)
+    }
+
+    /// Takes out a box, if any waits: the one with this number in the vector.
+    #[inline(always)]
+    fn take(&mut self, number: usize) -> Option<(usize, f32)> {
+        if self.waiting == 0 {
+            return None;
+        }
         self.waiting &= !(1 << number);
         Some((self.start + number, self.enter[number]))
     }
