@@ -2,7 +2,7 @@
 
 use super::block::{Block, LANES};
 use super::boxes::{Boxes, Extent, LeafBoxes, WIDTH};
-use super::leaf::Leaf;
+use super::leaf::{Curve, Leaf};
 use super::quadric::Quadric;
 use crate::piece::Piece;
 
@@ -53,6 +53,7 @@ fn excess(fit: &Quadric, [s0, s1]: [f64; 2]) -> f64 {
 
 /// Cuts a piece into stretches as long as quadrics beside them are near enough.
 fn parts(index: u32, piece: &Piece, unit: f64, parts: &mut Vec<Part>) {
+    let curve = Curve::new(piece, unit);
     let least = 1.0 / f64::from(MOST_PARTS);
     let mut start = 0.0_f64;
     let mut length = 1.0_f64;
@@ -74,7 +75,7 @@ fn parts(index: u32, piece: &Piece, unit: f64, parts: &mut Vec<Part>) {
             // More parts each time.
             count = (left / longer.max(least)).ceil().max(count + 1.0);
         };
-        let leaf = Leaf::new(piece.kind, index, &fit);
+        let leaf = Leaf::new(piece.kind, index, &curve, &fit);
         parts.push(Part { fit, leaf, extent: extent(piece, [start, end], unit) });
         start = end;
     }

@@ -21,7 +21,8 @@ pub(super) struct Eight {
     pub(super) curves: [[f64; WIDTH]; WIDTH],
     /// Origins, directions, squared lengths, and how far the origins are.
     pub(super) rays: [[f64; WIDTH]; WIDTH],
-    /// The first guesses of s and tau, the blur, the ends of the range of tau and of that of s.
+    /// The first guesses of s and tau, the blur, the ends of the range of tau and of that of s, and the square of the longest
+    /// last step in s.
     pub(super) spots: [[f64; WIDTH]; WIDTH],
     /// s and tau of the hits.
     pub(super) found: [[f64; WIDTH]; 2],
@@ -39,7 +40,7 @@ impl Eight {
     #[inline(always)]
     pub(super) fn hits<S: Simd>(&mut self, simd: S) -> u32 {
         let [ox, oy, oz, dx, dy, dz, length2, far] = columns(simd, &self.rays);
-        let [s, tau, blur, start, end, low, high, _] = columns(simd, &self.spots);
+        let [s, tau, blur, start, end, low, high, last2] = columns(simd, &self.spots);
         let mut aim = Aim {
             curve: columns(simd, &self.curves),
             origin: [ox, oy, oz],
@@ -51,6 +52,7 @@ impl Eight {
             blur,
             range: [start, end],
             valid: [low, high],
+            last2,
         };
         let found = aim.hit::<false>(simd, 0xff);
         aim.s.store_array(&mut self.found[0]);
@@ -77,6 +79,8 @@ pub(super) struct Aim<S: Simd> {
     pub(super) range: [f64x8<S>; 2],
     /// and between which on the curves what is known of the spots holds.
     pub(super) valid: [f64x8<S>; 2],
+    /// The squares of the longest steps in s that can be the last, where r is 1 or more.
+    pub(super) last2: f64x8<S>,
 }
 
 impl<S: Simd> Aim<S> {
@@ -107,9 +111,9 @@ impl<S: Simd> Aim<S> {
             }
             along = dz.abs().mul_add(r, rho.abs());
             across = r * (dr.abs() + drop.abs());
-            let last2 = splat(simd, LAST_STEP2) * r.min(one);
-            let is_last =
-                (by_s * by_s).simd_le(last2) & (by_tau * by_tau * self.length2).simd_le(last2);
+            let least = r.min(one);
+            let is_last = (by_s * by_s).simd_le(self.last2 * least)
+                & (by_tau * by_tau * self.length2).simd_le(splat(simd, LAST_STEP2) * least);
             last = is_last.to_bitmask() as u32;
             if wanted & !last == 0 {
                 break;

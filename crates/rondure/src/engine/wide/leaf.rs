@@ -32,6 +32,8 @@ pub(super) struct Curve {
 pub(super) struct Leaf {
     /// Between which parameters what the block says of it holds.
     valid: [f32; 2],
+    /// The longest step in s that can be the last, where r is 1 or more.
+    last: f32,
     piece: u32,
     /// [`CONIC`], or nothing.
     flags: u32,
@@ -68,11 +70,14 @@ pub(super) struct Certain {
     pub(super) margin: f64,
 }
 
-/// A step in s, or along the ray, whose square is no more than this times r is the last: what remains of f is some multiple
-/// of that square, and of g, whose own rounding shrinks with r, too.
+/// A step of Newton's along the ray whose square is no more than this times r is the last, likewise one in s after which as
+/// little remains. What remains of f is z'' / 2 times the square of the step in s; of g, whose own rounding shrinks with r, it is
+/// a / 2 times that of the step in tau, less (r^2)'' / 4 times that of the step in s. A last step leaves no more than rounding does.
 pub(super) const LAST_STEP2: f64 = LAST_STEP * LAST_STEP;
-/// No last step in s is longer.
-const LAST_STEP: f64 = 1.0 / (1_u64 << 27) as f64;
+const LAST_STEP: f64 = 1.0 / (1_u64 << 26) as f64;
+/// As much of the curvature is allowed for at the least, and at the most: no step in s that is longer than LAST_STEP by more than
+/// the root of the former is the last.
+const BEND: [f64; 2] = [1.0 / 4096.0, 1.0];
 /// What part of the blur the last step in tau may be for a hit that is certain at a glance.
 const LAST_PART: f64 = 1.0 / 8.0;
 /// More than two are needed only near an end on the axis, and near a tangency.
@@ -101,6 +106,22 @@ impl Curve {
             }
         };
         Self { r: powers(&piece.r), z: powers(&piece.z) }
+    }
+
+    /// How much a step in s by 1 could leave of f and of g, twice, or 1 if that is less, or if it is not known.
+    fn bend(&self, kind: Kind) -> f64 {
+        if matches!(kind, Kind::Conic(_)) {
+            return BEND[1];
+        }
+        let ([r0, r1, r2, r3], [_, _, z2, z3]) = (self.r, self.z);
+        let ends = |a: f64, b: f64| a.abs().max((a + b).abs());
+        // The controls of r and of r'.
+        let r = [r0, r0 + r1 / 3.0, r0 + (2.0 * r1 + r2) / 3.0, r0 + r1 + r2 + r3];
+        let slopes = [r1, r1 + r2, r1 + 2.0 * r2 + 3.0 * r3];
+        let most = |values: &[f64]| values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+        let (r, slope) = (most(&r), most(&slopes));
+        let (r_bend, z_bend) = (ends(2.0 * r2, 6.0 * r3), ends(2.0 * z2, 6.0 * z3));
+        z_bend.max(slope * slope + r * r_bend).clamp(BEND[0], BEND[1])
     }
 
     /// r by powers, then z.
@@ -144,9 +165,11 @@ fn cubic(fma: impl Fused, c: &[f64; 4], s: f64) -> [f64; 2] {
 }
 
 impl Leaf {
-    pub(super) fn new(kind: Kind, piece: u32, fit: &Quadric) -> Self {
+    /// A leaf of the piece with this number and this curve.
+    pub(super) fn new(kind: Kind, piece: u32, curve: &Curve, fit: &Quadric) -> Self {
         let flags = if matches!(kind, Kind::Conic(_)) { CONIC } else { 0 };
-        Self { valid: fit.valid.map(|s| s as f32), piece, flags }
+        let last = (LAST_STEP / curve.bend(kind).sqrt()) as f32;
+        Self { valid: fit.valid.map(|s| s as f32), last, piece, flags }
     }
 
     /// The piece that it is a part of.
@@ -164,6 +187,13 @@ impl Leaf {
     #[inline(always)]
     pub(super) fn valid(&self) -> [f64; 2] {
         self.valid.map(f64::from)
+    }
+
+    /// The square of the longest step in s that can be the last, where r is 1 or more.
+    #[inline(always)]
+    pub(super) fn last2(&self) -> f64 {
+        let last = f64::from(self.last);
+        last * last
     }
 
     /// The hit at a spot, which is the only one that the leaf can have there.
@@ -195,7 +225,7 @@ impl Leaf {
         let mut step = Step::new::<CONIC>(fma, curve, course, first.s, first.tau);
         let mut more = MORE_STEPS;
         // Also where one is not a number.
-        while !step.is_last(course) {
+        while !step.is_last(course, self.last2()) {
             if more == 0 {
                 return Finding::Unknown;
             }
@@ -259,7 +289,7 @@ impl Leaf {
         let (mut s, mut tau) = (first.s, first.tau);
         let mut step = Step::new::<CONIC>(fma, curve, course, s, tau);
         let mut more = MORE_STEPS;
-        while !step.is_last(course) {
+        while !step.is_last(course, self.last2()) {
             if more == 0 {
                 return None;
             }
@@ -270,11 +300,12 @@ impl Leaf {
         let room = LAST_PART * spot.blur;
         let there = (tau - spot.tau).abs() <= (2.0 - LAST_PART) * spot.blur;
         let [low, high] = self.valid();
-        let valid = s >= low + LAST_STEP && s <= high - LAST_STEP;
+        let last = f64::from(self.last);
+        let valid = s >= low + last && s <= high - last;
         // As in `judge`, times the determinant.
         let size = 2.0 + course.far + (tau.abs() + room) * course.turn;
         let (rounding, determinant) = (ROUNDING * size, step.determinant.abs());
-        let on_piece = (lesser(s, 1.0 - s) - LAST_STEP) * determinant > rounding * step.along;
+        let on_piece = (lesser(s, 1.0 - s) - last) * determinant > rounding * step.along;
         let [start, end] = course.range;
         let off = 4.0 * UNIT_ROUNDOFF * (tau.abs() + room + course.shift.abs());
         let in_range =
@@ -336,8 +367,9 @@ impl Step {
     }
 
     #[inline(always)]
-    fn is_last(&self, course: &Course) -> bool {
-        let last2 = LAST_STEP2 * lesser(self.r, 1.0);
-        self.by_s * self.by_s <= last2 && self.by_tau * self.by_tau * course.length2 <= last2
+    fn is_last(&self, course: &Course, last2: f64) -> bool {
+        let r = lesser(self.r, 1.0);
+        self.by_s * self.by_s <= last2 * r
+            && self.by_tau * self.by_tau * course.length2 <= LAST_STEP2 * r
     }
 }

@@ -197,7 +197,7 @@ impl Wide {
                     lot.range[1][ray].min(task.next),
                     low,
                     high,
-                    0.0,
+                    leaf.last2(),
                 ];
             }
             // Conics, and the last few, one by one.

@@ -12,12 +12,7 @@ const NUMBERS: [[u32; 8]; 2] = [[0, 1, 2, 3, 4, 5, 6, 7], [8, 9, 10, 11, 12, 13,
 /// its place among the sixteen in its last bits. Values that differ by less than 2^-19 of themselves, and those that are
 /// negative, count as equal. The bits of positive floats are in order as they are.
 #[inline(always)]
-pub(super) fn keys<S: Simd>(
-    simd: S,
-    values: f32x8<S>,
-    mask: mask32x8<S>,
-    half: usize,
-) -> u32x8<S> {
+pub(super) fn keys<S: Simd>(simd: S, values: f32x8<S>, mask: mask32x8<S>, half: usize) -> u32x8<S> {
     let bits: u32x8<S> = values.max(f32x8::splat(simd, 0.0)).bitcast();
     let numbers = u32x8::from_slice(simd, &NUMBERS[half]);
     let keys = (bits & u32x8::splat(simd, !NUMBER)) | numbers;

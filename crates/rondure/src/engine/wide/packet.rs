@@ -25,7 +25,7 @@ use crate::batch::Hits;
 pub(super) const SIXTEEN: usize = 2 * WIDTH;
 
 /// How far apart rays that go together may be near the surface, whose radius is between 1 and 2.
-const WIDEST: f32 = 1.0 / 16.0;
+const WIDEST: f32 = 1.0 / 6.0;
 /// As many blocks may lie on their way.
 const MOST_BLOCKS: usize = 32;
 /// More than the rounding of a sum of two numbers, as a part of it.
@@ -375,6 +375,7 @@ impl Wide {
                     blur: blur[half],
                     range: [near.range[0], near.range[1].min(next[half])],
                     valid,
+                    last2: f64x8::splat(simd, leaf.last2()),
                 };
                 let certain = if leaf.is_conic() {
                     aim.hit::<true>(simd, lanes)

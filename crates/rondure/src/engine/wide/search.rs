@@ -80,12 +80,7 @@ pub(super) struct Spots<S: Simd> {
 
 impl<S: Simd> Spots<S> {
     #[inline(always)]
-    pub(super) fn new(
-        simd: S,
-        block: &Block,
-        meeting: &Meeting<f32x8<S>>,
-        origin: f32,
-    ) -> Self {
+    pub(super) fn new(simd: S, block: &Block, meeting: &Meeting<f32x8<S>>, origin: f32) -> Self {
         let (mut tau, mut s) = ([0.0; 2 * LANES], [0.0; 2 * LANES]);
         let mut blur = [0.0; LANES];
         meeting.tau[0].store_slice(&mut tau[..LANES]);
