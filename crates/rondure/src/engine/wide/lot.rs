@@ -104,7 +104,7 @@ impl Wide {
         for &ray in &lot.seeking {
             let way = &mut lot.ways[ray as usize];
             let end = lot.range[1][ray as usize];
-            let Some((block, enter)) = way.next(simd, self, end) else {
+            let Some((block, enter)) = way.next::<_, true>(simd, self, end) else {
                 if lot.unsure[ray as usize] {
                     lot.single.push(lot.ray[ray as usize]);
                 }

@@ -142,16 +142,16 @@ impl Wide {
         question: &Question<'_>,
         course: &Course,
     ) -> Option<Hit> {
-        let mut way = Way::new(simd, self, course);
+        let mut way = Way::new::<_, true>(simd, self, course);
         let mut end = course.range[1];
         let mut nearest = Nearest::NONE;
-        let mut stop = way.first(simd, self, end)?;
+        let mut stop = way.first::<_, true>(simd, self, end)?;
         // Most rays end at the first spot in the first block that has any: no loop that keeps everything at hand.
         loop {
             let (block, enter) = stop;
             let meeting = self.blocks[block].test::<S, false>(simd, course, enter, end);
             if meeting.misses() {
-                stop = way.next(simd, self, end)?;
+                stop = way.next::<_, true>(simd, self, end)?;
                 continue;
             }
             if meeting.may_hit() && meeting.tangent == 0 {
@@ -167,7 +167,7 @@ impl Wide {
                         }
                         end = lesser(end, hit.tau);
                         nearest.consider(hit.tau, hit.s, piece, hit.margin);
-                        stop = match way.next(simd, self, end) {
+                        stop = match way.next::<_, true>(simd, self, end) {
                             Some(stop) => stop,
                             None => return nearest.hit(course),
                         };
@@ -219,7 +219,7 @@ impl Wide {
                     spots.cut(simd, end);
                 }
             }
-            let Some(next) = way.next(simd, self, end) else { break };
+            let Some(next) = way.next::<_, true>(simd, self, end) else { break };
             (block, enter) = next;
         }
         if nearest.doubt {
@@ -264,19 +264,27 @@ impl Wide {
         question: &Question<'_>,
         course: &Course,
     ) -> bool {
-        let mut way = Way::new(simd, self, course);
+        let mut way = Way::new::<_, false>(simd, self, course);
         let end = course.range[1];
-        let Some((block, enter)) = way.first(simd, self, end) else { return false };
-        let meeting = self.blocks[block].test::<S, true>(simd, course, enter, end);
-        if meeting.sure != 0 {
-            return true;
-        }
-        if meeting.misses() && way.is_over(simd, end) {
-            return false;
+        let Some(mut stop) = way.first::<_, false>(simd, self, end) else { return false };
+        // Most rays meet only blocks that have a hit for certain, or none.
+        loop {
+            let (block, enter) = stop;
+            let meeting = self.blocks[block].test::<S, true>(simd, course, enter, end);
+            if meeting.sure != 0 {
+                return true;
+            }
+            if !meeting.misses() {
+                break;
+            }
+            stop = match way.next::<_, false>(simd, self, end) {
+                Some(stop) => stop,
+                None => return false,
+            };
         }
         simd.vectorize(
             #[inline(always)]
-            || self.any_along(simd, question, course, way, (block, enter)),
+            || self.any_along(simd, question, course, way, stop),
         )
     }
 
@@ -303,7 +311,7 @@ impl Wide {
             {
                 return true;
             }
-            let Some(next) = way.next(simd, self, end) else { break };
+            let Some(next) = way.next::<_, false>(simd, self, end) else { break };
             (block, enter) = next;
         }
         for block in unsure {
@@ -353,8 +361,8 @@ impl Wide {
     ) {
         let mut widest = 0.0_f64;
         let end = course.range[1];
-        let mut way = Way::new(simd, self, course);
-        while let Some((block, enter)) = way.next(simd, self, end) {
+        let mut way = Way::new::<_, false>(simd, self, course);
+        while let Some((block, enter)) = way.next::<_, false>(simd, self, end) {
             let meeting = self.blocks[block].test::<S, false>(simd, course, enter, end);
             if meeting.tangent != 0 {
                 return self.all_exactly(question, hits);
@@ -393,9 +401,9 @@ impl Wide {
     ) {
         let mut end = course.range[1];
         let mut seen = Vec::new();
-        let mut way = Way::new(simd, self, course);
+        let mut way = Way::new::<_, true>(simd, self, course);
         count.test();
-        while let Some((block, enter)) = way.next(simd, self, end) {
+        while let Some((block, enter)) = way.next::<_, true>(simd, self, end) {
             count.enter();
             count.test();
             let meeting = self.blocks[block].test::<S, false>(simd, course, enter, end);

@@ -1,4 +1,4 @@
-//! A ray's way from boxes to blocks, near ones first.
+//! A ray's way from boxes to blocks, near ones first; or in any order, as they come, where no choice has to be waited for.
 
 use arrayvec::ArrayVec;
 use fearless_simd::prelude::*;
@@ -35,23 +35,23 @@ struct Vector {
 impl Way {
     /// The way of a ray through the blocks.
     #[inline(always)]
-    pub(super) fn new<S: Simd>(simd: S, wide: &Wide, ray: &Course) -> Self {
+    pub(super) fn new<S: Simd, const NEAREST: bool>(simd: S, wide: &Wide, ray: &Course) -> Self {
         let slabs = Slabs::new(ray);
         let level = wide.levels.len() - 1;
-        let current = Vector::new(simd, wide, &slabs, level, 0, ray.range[1]);
+        let current = Vector::new::<_, NEAREST>(simd, wide, &slabs, level, 0, ray.range[1]);
         Self { slabs, level, current, above: ArrayVec::new() }
     }
 
     /// What [`next`](Self::next) would say on a way that begins, sooner.
     #[inline(always)]
-    pub(super) fn first<S: Simd>(
+    pub(super) fn first<S: Simd, const NEAREST: bool>(
         &mut self,
         simd: S,
         wide: &Wide,
         end: f64,
     ) -> Option<(usize, f32)> {
-        let found = self.current.first();
-        self.down(simd, wide, found, end)
+        let found = self.current.first::<NEAREST>();
+        self.down::<_, NEAREST>(simd, wide, found, end)
     }
 
     /// The way of no ray.
@@ -64,19 +64,24 @@ impl Way {
         self.slabs = Slabs::new(ray);
         self.level = wide.levels.len() - 1;
         self.above.clear();
-        self.current = Vector::new(simd, wide, &self.slabs, self.level, 0, ray.range[1]);
+        self.current = Vector::new::<_, true>(simd, wide, &self.slabs, self.level, 0, ray.range[1]);
     }
 
     /// The next block that the ray may meet before `end`, and where it enters the box round it.
     #[inline(always)]
-    pub(super) fn next<S: Simd>(&mut self, simd: S, wide: &Wide, end: f64) -> Option<(usize, f32)> {
-        let found = self.current.next(simd, end);
-        self.down(simd, wide, found, end)
+    pub(super) fn next<S: Simd, const NEAREST: bool>(
+        &mut self,
+        simd: S,
+        wide: &Wide,
+        end: f64,
+    ) -> Option<(usize, f32)> {
+        let found = self.current.next::<_, NEAREST>(simd, end);
+        self.down::<_, NEAREST>(simd, wide, found, end)
     }
 
     /// From a box that was found to the first block in it, or in the next one that has any.
     #[inline(always)]
-    fn down<S: Simd>(
+    fn down<S: Simd, const NEAREST: bool>(
         &mut self,
         simd: S,
         wide: &Wide,
@@ -87,17 +92,17 @@ impl Way {
             let Some((number, enter)) = found else {
                 self.current = self.above.pop()?;
                 self.level += 1;
-                found = self.current.next(simd, end);
+                found = self.current.next::<_, NEAREST>(simd, end);
                 continue;
             };
             if self.level == 0 {
                 return Some((number, enter));
             }
             self.level -= 1;
-            let below = Vector::new(simd, wide, &self.slabs, self.level, number, end);
+            let below = Vector::new::<_, NEAREST>(simd, wide, &self.slabs, self.level, number, end);
             // There are no more levels than there is room for.
             let _ = self.above.try_push(core::mem::replace(&mut self.current, below));
-            found = self.current.first();
+            found = self.current.first::<NEAREST>();
         }
     }
 
@@ -127,7 +132,7 @@ impl Vector {
 
     /// Boxes of one level.
     #[inline(always)]
-    fn new<S: Simd>(
+    fn new<S: Simd, const NEAREST: bool>(
         simd: S,
         wide: &Wide,
         slabs: &Slabs,
@@ -137,14 +142,18 @@ impl Vector {
     ) -> Self {
         let mut vector = Self { start: index * WIDTH, ..Self::NONE };
         let boxes = &wide.levels[level][index];
-        (vector.waiting, vector.first) = boxes.test(simd, slabs, beyond(end), &mut vector.enter);
+        let (waiting, first) = boxes.test(simd, slabs, beyond(end), &mut vector.enter);
+        vector.waiting = waiting;
+        if NEAREST {
+            vector.first = first;
+        }
         vector
     }
 
     /// The nearest box, if none has been taken out yet.
     #[inline(always)]
-    fn first(&mut self) -> Option<(usize, f32)> {
-        self.take(self.first)
+    fn first<const NEAREST: bool>(&mut self) -> Option<(usize, f32)> {
+        self.take(if NEAREST { self.first } else { self.waiting.trailing_zeros() as usize })
     }
 
     #[inline(always)]
@@ -173,7 +182,10 @@ impl Vector {
 
     /// The nearest box that waits.
     #[inline(always)]
-    fn next<S: Simd>(&mut self, simd: S, end: f64) -> Option<(usize, f32)> {
+    fn next<S: Simd, const NEAREST: bool>(&mut self, simd: S, end: f64) -> Option<(usize, f32)> {
+        if !NEAREST {
+            return self.take(self.waiting.trailing_zeros() as usize);
+        }
         self.waiting = self.waiting_before(simd, end);
         if self.waiting == 0 {
             return None;
@@ -188,6 +200,7 @@ impl Vector {
         if self.waiting == 0 {
             return None;
         }
+        let number = number % WIDTH;
         self.waiting &= !(1 << number);
         Some((self.start + number, self.enter[number]))
     }
