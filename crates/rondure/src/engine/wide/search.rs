@@ -274,8 +274,18 @@ impl Wide {
             if meeting.sure != 0 {
                 return true;
             }
-            if !meeting.misses() {
+            if meeting.tangent != 0 {
                 break;
+            }
+            if meeting.may_hit() {
+                let mut spots = Spots::new(simd, &self.blocks[block], &meeting, enter);
+                let Some((lane, spot)) = spots.take() else { break };
+                let leaf = &self.leaves[block * LANES + lane];
+                match leaf.hit(Best(simd), &self.curves, course, spot) {
+                    Finding::None if spots.waiting == 0 => {}
+                    Finding::Hit { .. } => return true,
+                    _ => break,
+                }
             }
             stop = match way.next::<_, false>(simd, self, end) {
                 Some(stop) => stop,
