@@ -14,6 +14,15 @@ pub(crate) struct Ggx {
     pub(crate) alpha: f64,
 }
 
+/// What microfacets reflect from one direction to another, before the Fresnel factor.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reflected {
+    pub(crate) value: f64,
+    /// The cosine with the half vector.
+    pub(crate) cos: f64,
+    pub(crate) pdf: f64,
+}
+
 impl Ggx {
     /// The density of the normals at the cosine `cos_h`.
     #[inline]
@@ -39,6 +48,17 @@ impl Ggx {
         let half = (wo + wi).normalized();
         let masking = 0.5 / (wo.z * self.root(wi.z) + wi.z * self.root(wo.z));
         (self.density(half.z) * masking * wi.z, half.dot(wo).clamp(0.0, 1.0))
+    }
+
+    /// [`reflect`](Self::reflect) and [`pdf`](Self::pdf) in one; `root_o` is the [`root`](Self::root) of `wo`.
+    #[inline]
+    pub(crate) fn reflect_and_pdf(self, wo: Vec3, wi: Vec3, root_o: f64) -> Reflected {
+        let half = wo + wi;
+        let half = half * (1.0 / half.length());
+        let density = 0.5 * self.density(half.z);
+        let masked = wi.z / (wo.z * self.root(wi.z) + wi.z * root_o);
+        let pdf = density / (wo.z + root_o);
+        Reflected { value: density * masked, cos: half.dot(wo).clamp(0.0, 1.0), pdf }
     }
 
     /// A microfacet normal, in proportion to how much of it `wo` sees.

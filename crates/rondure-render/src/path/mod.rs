@@ -7,6 +7,7 @@
 //! arrives that way is left out. `vertex` is a place on a path, `media` what the path is inside of.
 
 mod media;
+mod photon_map;
 pub(crate) mod photons;
 #[cfg(test)]
 mod tests;
@@ -169,7 +170,9 @@ impl Tracer<'_> {
         {
             let left = self.depth - walk.depth;
             let index = filling.map_or(1.0, |glass| glass.ior(walk.wavelength));
-            *light += walk.weight * photons.gather(&vertex, contact.thing, left) / (index * index);
+            let turn = self.sample.turn(walk.key);
+            let found = photons.gather(&vertex, contact.thing, left, turn);
+            *light += walk.weight * found / (index * index);
         }
         let splits = !walk.scattered && walk.depth < SPLITS;
         let split = splits.then(|| vertex.split()).flatten().filter(|share| {
