@@ -4,9 +4,11 @@
 //!
 //! Directions are in the frame of the surface: z is the normal, on the viewer's side.
 
-use core::f64::consts::{PI, TAU};
+use core::f64::consts::PI;
 
 use rondure::Vec3;
+
+use crate::warp;
 
 /// The distribution of microfacet normals of a given width.
 #[derive(Clone, Copy, Debug)]
@@ -68,7 +70,7 @@ impl Ggx {
         let stretched = Vec3::new(wo.x * a, wo.y * a, wo.z).normalized();
         let z = (1.0 - u.1) * (1.0 + stretched.z) - stretched.z;
         let radius = (1.0 - z * z).max(0.0).sqrt();
-        let (sin, cos) = (TAU * u.0).sin_cos();
+        let (sin, cos) = warp::sin_cos_turn(u.0);
         let half = Vec3::new(radius * cos, radius * sin, z) + stretched;
         Vec3::new(half.x * a, half.y * a, half.z.max(0.0)).normalized()
     }
@@ -113,8 +115,9 @@ impl Ggx {
 
 #[cfg(test)]
 mod tests {
+    use core::f64::consts::TAU;
+
     use super::*;
-    use crate::warp;
 
     fn grid(n: u32) -> impl Iterator<Item = (f64, f64)> {
         let at = move |i: u32| (f64::from(i) + 0.5) / f64::from(n);

@@ -37,8 +37,8 @@ const ROULETTE_FROM: u32 = 3;
 /// chosen.
 const FEW_LAMPS: usize = 16;
 
-/// The scatterings after which a path branches no more.
-const SPLITS: u32 = 8;
+/// The scatterings after which a path branches no more. Later branches cost more time than they save noise.
+const SPLITS: u32 = 2;
 /// A branch that can bring more than this part of white is followed, not left to chance: a lamp seen in it would be
 /// a spark.
 const SPLIT_LIGHT: f64 = 0.02;
@@ -74,6 +74,8 @@ struct Walk {
     ray: Ray,
     /// The share of the ray's light that reaches the eye.
     weight: Rgb,
+    /// What part of the light's ways it stands for, where it branched.
+    part: f64,
     /// The density by solid angle with which the ray was chosen, and by what kind of lobe.
     pdf: f64,
     kind: Kind,
@@ -99,6 +101,7 @@ impl Tracer<'_> {
         let mut waiting = vec![Walk {
             ray: *ray,
             weight: Rgb::WHITE,
+            part: 1.0,
             depth: 0,
             hidden: 0,
             pdf: f64::INFINITY,
@@ -187,7 +190,8 @@ impl Tracer<'_> {
             let Some(onward) = vertex.onward(&media, &draw.among(from, share)) else { continue };
             let mut weight = walk.weight * onward.weight * share;
             if walk.depth >= ROULETTE_FROM && !onward.straight {
-                let live = weight.max_channel().min(1.0);
+                // Where a path branched it became no less worth following.
+                let live = (weight.max_channel() / (walk.part * share)).min(1.0);
                 if !(self.sample.single(walk.key.child(ROULETTE)) < live) {
                     continue;
                 }
@@ -197,6 +201,7 @@ impl Tracer<'_> {
             let mut onwards = Walk {
                 ray: onward.ray,
                 weight,
+                part: walk.part * share,
                 media: onward.media,
                 key: walk.key.child(branch),
                 hidden: walk.hidden + 1,
@@ -226,6 +231,9 @@ impl Tracer<'_> {
     fn sky(&self, walk: &Walk) -> Rgb {
         let sky = &self.world.sky;
         let direction = walk.ray.direction;
+        if !sky.is_picture() {
+            return sky.radiance(direction);
+        }
         sky.radiance(direction) * self.weighting.of_chance(walk.pdf, sky.pdf(direction))
     }
 
@@ -278,7 +286,10 @@ impl Tracer<'_> {
                 }
             }
         }
-        if let Some(incoming) = world.sky.sample(self.sample.pair(walk.key.child(SKY))) {
+        // Of an even sky chance knows as much.
+        if world.sky.is_picture()
+            && let Some(incoming) = world.sky.sample(self.sample.pair(walk.key.child(SKY)))
+        {
             // No photons come from the sky.
             sum += self.arriving(walk, vertex, &incoming, true);
         }
