@@ -5,7 +5,7 @@
 
 use std::collections::HashMap;
 
-use rondure::{Bounds, Bvh, Hit, Instance, Interaction, Ray, Vec3};
+use rondure::{Bounds, Bvh, Footing, Hit, Instance, Interaction, Ray, Vec3};
 use rondure_scene::{Integrator, Light, Scene, Shape as Described};
 
 use crate::{
@@ -370,6 +370,15 @@ impl World {
             // Only a world with bodies makes such contacts, and they do not leave it.
             (On::Body(_), None) => unreachable!("a contact with a body of another world"),
             (On::Thing(hit), _) => self.things.interaction(contact.thing, ray, hit),
+        }
+    }
+
+    /// The place and the normal of a contact, alone.
+    #[inline]
+    pub(crate) fn footing(&self, ray: &Ray, contact: &Contact) -> Footing {
+        match &contact.on {
+            On::Thing(hit) => self.things.footing(contact.thing, ray, hit),
+            On::Body(_) => self.interaction(ray, contact).footing(),
         }
     }
 

@@ -284,3 +284,95 @@ impl Hasher for Quick {
         self.0
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use rondure::Ray;
+    use rondure_scene::{Material, Paint, Sky};
+
+    use super::*;
+    use crate::{
+        path::{media::Media, tests::world_of, vertex::Draw},
+        sampler::{Key, Sample},
+        world::Role,
+    };
+
+    /// All photons, one by one.
+    fn one_by_one(radius: f64, photons: &[Photon], vertex: &Vertex<'_>, left: u32) -> Rgb {
+        let mut sum = Rgb::BLACK;
+        for photon in photons.iter().filter(|photon| photon.bounces <= left) {
+            let radius = radius_of(radius, photon.level);
+            let off = photon.point - vertex.surface.point;
+            let kernel = 1.0 - off.length_squared() / (radius * radius);
+            let cos = photon.direction.dot(vertex.normal());
+            let flat = off.dot(vertex.normal()).abs() <= f64::from(FLATNESS) * radius;
+            if kernel > 0.0 && flat && cos > 0.0 {
+                let value = vertex.evaluate(photon.direction).wide.value;
+                sum += photon.power * value * (kernel * 2.0 * FRAC_1_PI / (cos * radius * radius));
+            }
+        }
+        sum
+    }
+
+    #[test]
+    fn cells_have_all_photons_and_all_turns_see_each() {
+        const RADIUS: f64 = 0.1;
+        // The least common multiple of all steps up to ten.
+        const TURNS: u32 = 2520;
+        for material in [
+            Material::Matte { color: Paint::Solid([0.3, 0.6, 0.9]) },
+            Material::Metal { eta: [1.6; 3], k: [9.0; 3], roughness: 0.6 },
+        ] {
+            let world = world_of(material, 0.1, Sky::Constant { color: [0.0; 3] });
+            let mut photons: Vec<_> = (0..120)
+                .map(|i| {
+                    let sample = Sample::new(3, i, 0, 0);
+                    let (x, y) = sample.pair(Key::LENS);
+                    let (height, turn) = sample.pair(Key::FILTER);
+                    // Dense round the middle of a cell, sparse far from it; some too high above the floor, some from below it.
+                    let point = Vec3::new(2.0 * x - 1.0, 2.0 * y - 1.0, 0.0);
+                    let point = point * point.length_squared() + Vec3::new(0.1, 0.1, 0.03 * turn);
+                    let (sin, cos) = (6.0 * turn).sin_cos();
+                    let z = 1.2 * height - 0.2;
+                    let flat = (1.0 - z * z).sqrt();
+                    Photon {
+                        point,
+                        direction: Vec3::new(flat * cos, flat * sin, z),
+                        power: Rgb { r: x, g: y, b: turn } * 1e-3,
+                        thing: 0,
+                        bounces: i % 4,
+                        level: 0,
+                    }
+                })
+                .collect();
+            let map = PhotonMap::new(RADIUS, world.count(), photons.clone());
+            let fullest = map.cells.values().map(|range| range.end - range.start).max().unwrap();
+            assert!((LOOKED_AT + 1..=10 * LOOKED_AT).contains(&fullest), "{fullest}");
+            widen(RADIUS, &mut photons);
+            let levels = [0, 1, 2].map(|l| photons.iter().filter(|p| p.level == l).count());
+            assert!(levels.iter().all(|&count| count > 0), "{levels:?}");
+            for (x, y) in [(0.1, 0.1), (0.15, 0.08), (-0.2, 0.3), (0.6, 0.7)] {
+                let ray =
+                    Ray::new(Vec3::new(x, y - 1.0, 1.0), Vec3::new(0.0, 1.0, -1.0).normalized());
+                let contact = world.closest(&ray).unwrap();
+                let Role::Surface { finish, solid } = world.met(&ray, &contact) else { panic!() };
+                let sample = Sample::new(0, 0, 0, 0);
+                let (draw, media) = (Draw::new(&sample, Key::ROOT), Media::default());
+                let met = (finish, solid);
+                let vertex = Vertex::new(&world, &ray, &contact, met, &media, None, &draw);
+                let expected = one_by_one(RADIUS, &photons, &vertex, 2);
+                let sum = (0..TURNS).fold(Rgb::BLACK, |sum, turn| {
+                    sum + map.gather(&vertex, contact.thing, 2, turn)
+                });
+                let found = sum / f64::from(TURNS);
+                assert!(!expected.is_black());
+                for (found, expected) in
+                    [(found.r, expected.r), (found.g, expected.g), (found.b, expected.b)]
+                {
+                    assert!((found - expected).abs() < 1e-4 * expected, "{found} {expected}");
+                }
+            }
+        }
+    }
+}

@@ -1,6 +1,6 @@
 //! A place on a path where it meets a surface, from the eye or from a lamp.
 
-use rondure::{Interaction, Ray, Vec3};
+use rondure::{Footing, Ray, Vec3};
 
 use super::media::{Body, Media};
 use crate::{
@@ -56,7 +56,7 @@ impl<'a> Draw<'a> {
 }
 
 pub(crate) struct Vertex<'a> {
-    pub(crate) surface: Interaction,
+    pub(crate) surface: Footing,
     /// Its z axis is the shading normal on the side that the path comes from.
     frame: Frame,
     normal: Vec3,
@@ -104,7 +104,7 @@ impl<'a> Vertex<'a> {
         wavelength: Option<Wavelength>,
         draw: &Draw<'_>,
     ) -> Self {
-        let surface = world.interaction(ray, contact);
+        let surface = world.footing(ray, contact);
         let optics = world.optics(finish);
         let outgoing = -ray.direction;
         let entering = surface.normal.dot(outgoing) >= 0.0;
@@ -130,6 +130,7 @@ impl<'a> Vertex<'a> {
                 let color = match optics.color.plain() {
                     Some(color) if !world.has_relief(finish) => color,
                     _ => {
+                        let surface = world.interaction(ray, contact);
                         let spot = world.spot(contact, &surface, outgoing);
                         let outwards =
                             world.shading_normal(finish, contact, &surface, &spot, outgoing);
