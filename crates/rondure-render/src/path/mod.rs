@@ -286,7 +286,7 @@ impl Tracer<'_> {
                 }
             }
         }
-        // Of an even sky chance knows as much.
+        // Of an even sky chance knows about as much.
         if world.sky.is_picture()
             && let Some(incoming) = world.sky.sample(self.sample.pair(walk.key.child(SKY)))
         {
