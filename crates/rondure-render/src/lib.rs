@@ -21,6 +21,7 @@ mod coat;
 mod color;
 mod environment;
 mod features;
+mod few;
 mod filter;
 mod finish;
 mod fresnel;

@@ -135,6 +135,13 @@ impl Sample {
         let (index, shift) = self.shuffled(seed);
         to_unit(laine_karras(index ^ shift[0], mix(seed, 1)).reverse_bits())
     }
+
+    /// The number of the sample, counted on from one that depends on the pixel and the key.
+    #[inline]
+    pub(crate) fn turn(&self, key: Key) -> u32 {
+        let first = mix(mix(self.seed, key.0), self.reversed_morton);
+        first.wrapping_add(self.reversed_index.reverse_bits())
+    }
 }
 
 #[inline]

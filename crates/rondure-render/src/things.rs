@@ -1,7 +1,7 @@
 //! All things that rays meet, by number: the turned ones first, then the simple shapes, in the order
 //! in which they came.
 
-use rondure::{Affine, Bounds, Hit, Instances, Interaction, Ray, Vec3};
+use rondure::{Affine, Bounds, Footing, Hit, Instances, Interaction, Ray, Vec3};
 
 use crate::{shape::Shape, texture::Own};
 
@@ -75,6 +75,15 @@ impl Things {
         match self.at(thing) {
             Thing::Turned(i) => self.turned.normal(i, ray, hit),
             Thing::Simple(shape) => shape.interaction(ray, hit).normal,
+        }
+    }
+
+    /// The place and the normal of a hit, alone.
+    #[inline]
+    pub(crate) fn footing(&self, thing: u32, ray: &Ray, hit: &Hit) -> Footing {
+        match self.at(thing) {
+            Thing::Turned(i) => self.turned.footing(i, ray, hit),
+            Thing::Simple(shape) => shape.interaction(ray, hit).footing(),
         }
     }
 

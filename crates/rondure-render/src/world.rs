@@ -1,17 +1,18 @@
 //! The world that rays see: things behind trees of boxes, lights and sky.
 //!
-//! Two trees: one over what blocks light, one over what lets it pass, clear glass and lamps. Bodies,
+//! Two trees, if there are more than a few things: one over what blocks light, one over what lets it pass, clear glass and lamps. Bodies,
 //! which may be of several materials, have a third.
 
 use std::collections::HashMap;
 
-use rondure::{Bounds, Bvh, Hit, Instance, Interaction, Ray, Vec3};
+use rondure::{Bounds, Bvh, Footing, Hit, Instance, Interaction, Ray, Vec3};
 use rondure_scene::{Integrator, Light, Scene, Shape as Described};
 
 use crate::{
     RenderError,
     bodies::{Bodies, Place},
     color::Rgb,
+    few::Few,
     finish::Finish,
     fresnel,
     gather::{Gathered, materials},
@@ -79,6 +80,8 @@ pub(crate) struct World {
     pub(crate) brightest: f64,
     blocking: Bvh,
     passing: Bvh,
+    /// All things, if they are few.
+    few: Option<Few>,
     bodies: Option<Bodies>,
     has_glass: bool,
 }
@@ -175,6 +178,7 @@ impl World {
         let brightest = seen.map(Rgb::max_channel).fold(0.0, f64::max);
         let white = 1.0 / scene.film.exposure;
         Ok(Self {
+            few: Few::new(&things),
             things,
             roles,
             first_things: firsts(&role_of, scene.objects.len() + scene.lights.len()),
@@ -369,22 +373,41 @@ impl World {
         }
     }
 
+    /// The place and the normal of a contact, alone.
+    #[inline]
+    pub(crate) fn footing(&self, ray: &Ray, contact: &Contact) -> Footing {
+        match &contact.on {
+            On::Thing(hit) => self.things.footing(contact.thing, ray, hit),
+            On::Body(_) => self.interaction(ray, contact).footing(),
+        }
+    }
+
     /// The first thing that the ray meets; of several at the same place the one with the smallest
     /// number.
     #[inline]
     pub(crate) fn closest(&self, ray: &Ray) -> Option<Contact> {
         let mut best: Option<(u32, Hit)> = None;
         let mut shortened = *ray;
-        for tree in [&self.blocking, &self.passing] {
-            tree.walk(&{ shortened }, |thing| {
-                if let Some(hit) = self.things.closest(thing, &shortened) {
-                    if best.is_none_or(|best| hit.t < best.1.t || thing < best.0) {
-                        best = Some((thing, hit));
-                    }
-                    shortened.t_max = hit.t;
+        let mut visit = |thing| {
+            if let Some(hit) = self.things.closest(thing, &shortened) {
+                if best.is_none_or(|best| hit.t < best.1.t || thing < best.0) {
+                    best = Some((thing, hit));
                 }
-                shortened.t_max
-            });
+                shortened.t_max = hit.t;
+            }
+            shortened.t_max
+        };
+        match &self.few {
+            Some(few) => few.walk(ray, visit),
+            None => {
+                let mut cut = *ray;
+                for tree in [&self.blocking, &self.passing] {
+                    tree.walk(&{ cut }, |thing| {
+                        cut.t_max = visit(thing);
+                        cut.t_max
+                    });
+                }
+            }
         }
         let thing = best.map(|(thing, hit)| Contact { thing, t: hit.t, on: On::Thing(hit) });
         let Some(bodies) = &self.bodies else { return thing };
@@ -401,14 +424,26 @@ impl World {
     #[inline]
     pub(crate) fn is_occluded(&self, ray: &Ray) -> bool {
         let mut found = false;
-        for tree in [&self.blocking, &self.passing] {
-            tree.walk(ray, |thing| {
-                found = self.things.any(thing, ray);
-                if found { f64::NEG_INFINITY } else { ray.t_max }
-            });
-            if found {
-                return true;
+        let mut visit = |thing| {
+            found = self.things.any(thing, ray);
+            if found { f64::NEG_INFINITY } else { ray.t_max }
+        };
+        match &self.few {
+            Some(few) => few.walk(ray, visit),
+            None => {
+                let mut end = ray.t_max;
+                for tree in [&self.blocking, &self.passing] {
+                    if end > f64::NEG_INFINITY {
+                        tree.walk(ray, |thing| {
+                            end = visit(thing);
+                            end
+                        });
+                    }
+                }
             }
+        }
+        if found {
+            return true;
         }
         self.bodies.as_ref().is_some_and(|bodies| bodies.any(ray))
     }

@@ -4,7 +4,7 @@ use std::collections::TryReserveError;
 use std::sync::Arc;
 
 use crate::frame::Frame;
-use crate::interaction::{Interaction, interaction, normal};
+use crate::interaction::{Footing, Interaction, footing, interaction, normal};
 use crate::{Affine, AreaSampler, Bounds, Hit, Ray, Surface, SurfaceSample, Vec3};
 
 /// Surfaces in many places, numbered in the order in which they were placed.
@@ -23,6 +23,7 @@ pub struct Instances {
 struct Place {
     frame: Frame,
     shape: u32,
+    rounding: f64,
 }
 
 /// Why a surface cannot be placed.
@@ -124,7 +125,8 @@ impl Instances {
         let surface = surface.ok_or(error(PlaceErrorKind::NoSuchShape { shape, shapes }))?;
         let frame = Frame::placed(surface.center_z, surface.radius, &placement);
         let frame = frame.ok_or_else(|| error(PlaceErrorKind::NotInvertible(placement.into())))?;
-        self.places.push(Place { frame, shape });
+        let rounding = surface.rounding_with(&placement, frame.inverse());
+        self.places.push(Place { frame, shape, rounding });
         self.placements.push(placement);
         Ok(instance as u32)
     }
@@ -200,6 +202,13 @@ impl Instances {
         interaction(surface, frame, placement, self.rounding(instance), ray, hit)
     }
 
+    /// The place and the normal of a hit: those of [`interaction`](Self::interaction), alone.
+    pub fn footing(&self, instance: u32, ray: &Ray, hit: &Hit) -> Footing {
+        let (surface, frame) = self.at(instance);
+        let placement = self.placement(instance);
+        footing(surface, frame, placement, self.rounding(instance), ray, hit)
+    }
+
     /// The normal at a hit: that of [`interaction`](Self::interaction), alone.
     pub fn normal(&self, instance: u32, ray: &Ray, hit: &Hit) -> Vec3 {
         let (surface, frame) = self.at(instance);
@@ -225,8 +234,8 @@ impl Instances {
         surface.placed_bounds(self.placement(instance), self.rounding(instance))
     }
 
+    #[inline]
     fn rounding(&self, instance: u32) -> f64 {
-        let (surface, frame) = self.at(instance);
-        surface.rounding_with(self.placement(instance), frame.inverse())
+        self.places[instance as usize].rounding
     }
 }

@@ -33,6 +33,31 @@ impl Interaction {
     /// the side to which `direction` points, so that it does not hit the place that it leaves.
     #[inline]
     pub fn spawn(&self, direction: Vec3) -> Ray {
+        self.footing().spawn(direction)
+    }
+
+    /// The part of it that rays go on from.
+    #[inline]
+    pub fn footing(&self) -> Footing {
+        Footing { point: self.point, normal: self.normal, error: self.error }
+    }
+}
+
+/// What of an [`Interaction`] a ray needs that goes on from there; it takes half the time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Footing {
+    /// As [`Interaction::point`].
+    pub point: Vec3,
+    /// As [`Interaction::normal`].
+    pub normal: Vec3,
+    /// As [`Interaction::error`].
+    pub error: f64,
+}
+
+impl Footing {
+    /// The ray that leaves the surface here; see [`Interaction::spawn`].
+    #[inline]
+    pub fn spawn(&self, direction: Vec3) -> Ray {
         let side = self.error.copysign(self.normal.dot(direction));
         Ray::new(self.point + self.normal * side, direction)
     }
@@ -132,6 +157,25 @@ pub(crate) fn interaction(
 ) -> Interaction {
     let place = Place::of(surface, frame, ray, hit);
     place.interaction(surface, frame.inverse(), placement, rounding, hit)
+}
+
+/// The same without parameters and derivatives.
+pub(crate) fn footing(
+    surface: &Surface,
+    frame: &Frame,
+    placement: &Affine,
+    rounding: f64,
+    ray: &Ray,
+    hit: &Hit,
+) -> Footing {
+    let sense = surface.curve_at(hit).1.sense;
+    let place = Place::of(surface, frame, ray, hit);
+    let ([cos, sin], Point { r, z }) = (place.angle, place.profile);
+    Footing {
+        point: placement.point(Vec3::new(r * cos, r * sin, z + surface.center_z)),
+        normal: place.normal(frame.inverse(), sense),
+        error: rounding,
+    }
 }
 
 /// The interaction at a place of the profile and at `turn`, the angle round the axis over 2 pi;

@@ -54,7 +54,7 @@ pub use bvh::Bvh;
 pub use engine::{EngineOptions, Method};
 pub use instance::Instance;
 pub use instances::{Instances, PlaceError, PlaceErrorKind};
-pub use interaction::Interaction;
+pub use interaction::{Footing, Interaction};
 pub use measure::Measure;
 pub use profile::{Point, Profile, ProfileError, ProfileErrorKind, Segment, Spline};
 pub use solid::{FillRule, Solid};

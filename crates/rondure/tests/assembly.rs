@@ -102,7 +102,10 @@ impl Scene {
             let alone = &self.alone[contact.instance as usize];
             let full = self.assembly.interaction(ray, &contact);
             assert_eq!(full, alone.interaction(ray, &contact.hit));
-            let normal = self.assembly.instances().normal(contact.instance, ray, &contact.hit);
+            let instances = self.assembly.instances();
+            let footing = instances.footing(contact.instance, ray, &contact.hit);
+            assert_eq!(footing, full.footing());
+            let normal = instances.normal(contact.instance, ray, &contact.hit);
             assert_eq!(normal, alone.normal(ray, &contact.hit));
         }
         expected.len()

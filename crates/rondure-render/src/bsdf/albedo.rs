@@ -11,8 +11,15 @@ const SAMPLES: u32 = 1024;
 /// A function of the cosine, and its mean over a hemisphere weighted by the cosine.
 #[derive(Clone, Debug)]
 pub(crate) struct Albedo {
-    at: Box<[f64]>,
+    at: Box<[f64; STEPS + 1]>,
     mean: f64,
+}
+
+/// A step of the tables, and where in it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Place {
+    step: usize,
+    share: f64,
 }
 
 impl Albedo {
@@ -23,9 +30,8 @@ impl Albedo {
     pub(crate) fn from_fn(f: impl Fn(f64) -> f64) -> Self {
         // At 0 the limit is taken from a little above, where directions are still defined.
         let least = 0.25 / (STEPS * STEPS) as f64;
-        let at =
-            (0..=STEPS).map(|i| f((i as f64 / STEPS as f64).powi(2).max(least)).clamp(0.0, 1.0));
-        let mut albedo = Self { at: at.collect(), mean: 0.0 };
+        let at = |i: usize| f((i as f64 / STEPS as f64).powi(2).max(least)).clamp(0.0, 1.0);
+        let mut albedo = Self { at: Box::new(core::array::from_fn(at)), mean: 0.0 };
         let n = 16 * STEPS;
         let cosines = (0..n).map(|i| ((i as f64 + 0.5) / n as f64).sqrt());
         albedo.mean = cosines.map(|cos| albedo.get(cos)).sum::<f64>() / n as f64;
@@ -39,10 +45,21 @@ impl Albedo {
 
     #[inline]
     pub(crate) fn get(&self, cos: f64) -> f64 {
+        self.at(Self::place(cos))
+    }
+
+    /// Where in all tables a cosine stands.
+    #[inline]
+    pub(crate) fn place(cos: f64) -> Place {
         let place = cos.abs().min(1.0).sqrt() * STEPS as f64;
-        let i = (place as usize).min(STEPS - 1);
-        let (a, b) = (self.at[i], self.at[i + 1]);
-        a + (b - a) * (place - i as f64)
+        let step = (place as usize).min(STEPS - 1);
+        Place { step, share: place - step as f64 }
+    }
+
+    #[inline]
+    pub(crate) fn at(&self, place: Place) -> f64 {
+        let (a, b) = (self.at[place.step], self.at[place.step + 1]);
+        a + (b - a) * place.share
     }
 
     pub(crate) fn mean(&self) -> f64 {
@@ -57,14 +74,12 @@ impl Albedo {
 
     /// The even lobe that returns what this one misses, and is the same both ways (Kelemen and
     /// Szirmay-Kalos 2001): (1 - E(o)) (1 - E(i)) / (pi (1 - mean E)).
+    ///
+    /// `missing_o` is 1 - E(o).
     #[inline]
-    pub(crate) fn rest(&self, cos_o: f64, cos_i: f64) -> f64 {
+    pub(crate) fn rest_of(&self, missing_o: f64, cos_i: f64) -> f64 {
         let missing = 1.0 - self.mean;
-        if missing > 0.0 {
-            self.missing(cos_o) * self.missing(cos_i) * FRAC_1_PI / missing
-        } else {
-            0.0
-        }
+        if missing > 0.0 { missing_o * self.missing(cos_i) * FRAC_1_PI / missing } else { 0.0 }
     }
 }
 

@@ -4,14 +4,25 @@
 //!
 //! Directions are in the frame of the surface: z is the normal, on the viewer's side.
 
-use core::f64::consts::{PI, TAU};
+use core::f64::consts::PI;
 
 use rondure::Vec3;
+
+use crate::warp;
 
 /// The distribution of microfacet normals of a given width.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ggx {
     pub(crate) alpha: f64,
+}
+
+/// What microfacets reflect from one direction to another, before the Fresnel factor.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reflected {
+    pub(crate) value: f64,
+    /// The cosine with the half vector.
+    pub(crate) cos: f64,
+    pub(crate) pdf: f64,
 }
 
 impl Ggx {
@@ -41,6 +52,17 @@ impl Ggx {
         (self.density(half.z) * masking * wi.z, half.dot(wo).clamp(0.0, 1.0))
     }
 
+    /// [`reflect`](Self::reflect) and [`pdf`](Self::pdf) in one; `root_o` is the [`root`](Self::root) of `wo`.
+    #[inline]
+    pub(crate) fn reflect_and_pdf(self, wo: Vec3, wi: Vec3, root_o: f64) -> Reflected {
+        let half = wo + wi;
+        let half = half * (1.0 / half.length());
+        let density = 0.5 * self.density(half.z);
+        let masked = wi.z / (wo.z * self.root(wi.z) + wi.z * root_o);
+        let pdf = density / (wo.z + root_o);
+        Reflected { value: density * masked, cos: half.dot(wo).clamp(0.0, 1.0), pdf }
+    }
+
     /// A microfacet normal, in proportion to how much of it `wo` sees.
     #[inline]
     pub(crate) fn visible_normal(self, wo: Vec3, u: (f64, f64)) -> Vec3 {
@@ -48,7 +70,7 @@ impl Ggx {
         let stretched = Vec3::new(wo.x * a, wo.y * a, wo.z).normalized();
         let z = (1.0 - u.1) * (1.0 + stretched.z) - stretched.z;
         let radius = (1.0 - z * z).max(0.0).sqrt();
-        let (sin, cos) = (TAU * u.0).sin_cos();
+        let (sin, cos) = warp::sin_cos_turn(u.0);
         let half = Vec3::new(radius * cos, radius * sin, z) + stretched;
         Vec3::new(half.x * a, half.y * a, half.z.max(0.0)).normalized()
     }
@@ -93,8 +115,9 @@ impl Ggx {
 
 #[cfg(test)]
 mod tests {
+    use core::f64::consts::TAU;
+
     use super::*;
-    use crate::warp;
 
     fn grid(n: u32) -> impl Iterator<Item = (f64, f64)> {
         let at = move |i: u32| (f64::from(i) + 0.5) / f64::from(n);

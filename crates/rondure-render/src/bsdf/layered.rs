@@ -7,7 +7,11 @@
 
 use rondure::Vec3;
 
-use super::{Kind, Lobe, Metal, Parts, Scatter, albedo::Albedo};
+use super::{
+    Kind, Lobe, Metal, Parts, Scatter,
+    albedo::{Albedo, Place},
+    metal::Curve,
+};
 use crate::{color::Rgb, fresnel, warp};
 
 /// A dielectric boundary that reflects.
@@ -76,6 +80,8 @@ pub(crate) struct Layered {
     metal_alone: f64,
     /// The mean reflectance of a measured metal, which takes long to find.
     measured_mean: Rgb,
+    /// And the reflectance itself.
+    measured: Option<Curve>,
     is_even: bool,
 }
 
@@ -131,6 +137,7 @@ impl Layered {
             all,
             metal_alone,
             measured_mean,
+            measured: layers.metal.is_measured().then(|| Curve::new(&layers.metal)),
             is_even,
         }
     }
@@ -171,13 +178,25 @@ impl Layered {
         }
     }
 
+    /// The reflectance of the base's metal.
+    #[inline]
+    fn reflectance(&self, cos: f64, color: Rgb) -> Rgb {
+        match &self.measured {
+            Some(curve) => curve.at(cos),
+            None => self.layers.metal.reflectance(cos, color),
+        }
+    }
+
     /// The reflectance of the base's microfacets.
     #[inline]
     fn base_fresnel(&self, cos: f64, color: Rgb) -> Rgb {
-        let Layers { gloss, metalness, metal, .. } = &self.layers;
-        let mut sum = Rgb::splat((1.0 - metalness) * gloss.fresnel(cos));
+        let Layers { gloss, metalness, .. } = &self.layers;
+        let mut sum = Rgb::BLACK;
+        if *metalness < 1.0 {
+            sum = Rgb::splat((1.0 - metalness) * gloss.fresnel(cos));
+        }
         if *metalness > 0.0 {
-            sum += metal.reflectance(cos, color) * *metalness;
+            sum += self.reflectance(cos, color) * *metalness;
         }
         sum
     }
@@ -201,93 +220,57 @@ impl Layered {
         sum * *coat_color
     }
 
-    /// Whether there is nothing but a base that scatters evenly (Lambert).
+    /// The surface as it is seen from `wo`, on the upper side, where it has this colour.
     #[inline]
-    pub(crate) fn is_even(&self) -> bool {
-        self.is_even
+    pub(crate) fn facing(&self, wo: Vec3, color: Rgb) -> Facing<'_> {
+        let (shares, missing, root) = if self.is_even {
+            (None, 0.0, 0.0)
+        } else {
+            let place = Albedo::place(wo.z);
+            let missing = 1.0 - self.all.at(place);
+            let root = match self.layers.gloss.lobe {
+                Lobe::Rough(ggx) => ggx.root(wo.z),
+                Lobe::Smooth => 0.0,
+            };
+            (self.shares(wo.z, place, missing, color), missing, root)
+        };
+        Facing { all: self, wo, color, shares, missing, root }
     }
 
     #[inline]
-    fn shares(&self, cos: f64, color: Rgb) -> Option<Shares> {
-        let Layers { fuzz, metalness, .. } = &self.layers;
+    fn shares(&self, cos: f64, place: Place, missing: f64, color: Rgb) -> Option<Shares> {
+        let Layers { fuzz, coat, metalness, .. } = &self.layers;
         let metal = if *metalness > 0.0 {
-            1.0 - metalness + metalness * self.layers.metal.reflectance(cos, color).max_channel()
+            1.0 - metalness + metalness * self.reflectance(cos, color).max_channel()
         } else {
             1.0
         };
         let shares = Shares {
-            fuzz: fuzz.map_or(0.0, |fuzz| self.fuzz_alone.get(cos) * fuzz.color.max_channel()),
-            coat: self.coat.get(cos),
-            base: self.base.get(cos) * metal,
-            rest: self.all.missing(cos) * self.rest_color(color).max_channel(),
+            fuzz: fuzz.map_or(0.0, |f| self.fuzz_alone.at(place) * f.color.max_channel()),
+            coat: coat.map_or(0.0, |_| self.coat.at(place)),
+            base: self.base.at(place) * metal,
+            rest: missing * self.rest_color(color).max_channel(),
         };
         let sum = shares.fuzz + shares.coat + shares.base + shares.rest;
-        (sum > 0.0).then(|| Shares {
-            fuzz: shares.fuzz / sum,
-            coat: shares.coat / sum,
-            base: shares.base / sum,
-            rest: shares.rest / sum,
+        (sum > 0.0).then(|| {
+            let part = 1.0 / sum;
+            Shares {
+                fuzz: shares.fuzz * part,
+                coat: shares.coat * part,
+                base: shares.base * part,
+                rest: shares.rest * part,
+            }
         })
     }
 
-    /// What a surface of this colour sends to `wo` of the light from `wi`, both on the upper side; perfect
-    /// mirrors send nothing.
-    #[inline]
+    /// What a surface of this colour sends to `wo` of the light from `wi`; see [`Facing::evaluate`].
+    #[cfg(test)]
     pub(crate) fn evaluate(&self, wo: Vec3, wi: Vec3, color: Rgb) -> Parts {
-        if self.is_even {
-            let mut parts = Parts::default();
-            if wo.z > 0.0 && wi.z > 0.0 {
-                let even = wi.z * core::f64::consts::FRAC_1_PI;
-                parts.add(Kind::Wide, color * even, even);
-            }
-            return parts;
-        }
-        match self.shares(wo.z, color) {
-            Some(shares) => self.value(shares, wo, wi, color),
-            None => Parts::default(),
-        }
+        self.facing(wo, color).evaluate(wi)
     }
 
-    fn value(&self, shares: Shares, wo: Vec3, wi: Vec3, color: Rgb) -> Parts {
-        let mut parts = Parts::default();
-        if !(wo.z > 0.0 && wi.z > 0.0) {
-            return parts;
-        }
-        let even = wi.z * core::f64::consts::FRAC_1_PI;
-        let Layers { fuzz, coat, coat_color, gloss, .. } = &self.layers;
-        if let Some(fuzz) = fuzz {
-            parts.add(Kind::Wide, fuzz.color * fuzz.reflect(wo, wi), shares.fuzz * even);
-        }
-        let through_fuzz = self.through_fuzz(wo.z, wi.z);
-        if let Some(coat) = coat
-            && let Lobe::Rough(ggx) = coat.lobe
-        {
-            let (value, cos) = ggx.reflect(wo, wi);
-            let light = Rgb::splat(value * coat.fresnel(cos) * through_fuzz);
-            parts.add(coat.lobe.kind(), light, shares.coat * ggx.pdf(wo, wi));
-        }
-        if let Lobe::Rough(ggx) = gloss.lobe
-            && shares.base > 0.0
-        {
-            let (value, cos) = ggx.reflect(wo, wi);
-            let through = through_fuzz * self.through_coat(wo.z, wi.z);
-            let light = self.base_fresnel(cos, color) * *coat_color * (value * through);
-            parts.add(gloss.lobe.kind(), light, shares.base * ggx.pdf(wo, wi));
-        }
-        let rest = self.rest_color(color) * (self.all.rest(wo.z, wi.z) * wi.z);
-        parts.add(Kind::Wide, rest, shares.rest * even);
-        parts
-    }
-
-    /// The part of the choices in [`sample`](Self::sample) that scatter evenly; the others reflect.
-    pub(crate) fn split(&self, cos: f64, color: Rgb) -> Option<f64> {
-        if self.is_even {
-            return None;
-        }
-        self.shares(cos, color).map(|shares| shares.rest + shares.fuzz)
-    }
-
-    /// A direction, chosen about in proportion to the light that it sends.
+    /// A direction; see [`Facing::sample`].
+    #[cfg(test)]
     pub(crate) fn sample(
         &self,
         wo: Vec3,
@@ -295,14 +278,105 @@ impl Layered {
         choice: f64,
         u: (f64, f64),
     ) -> Option<Scatter> {
-        if self.is_even {
+        self.facing(wo, color).sample(choice, u)
+    }
+}
+
+/// A surface in layers, seen from one direction.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Facing<'a> {
+    all: &'a Layered,
+    wo: Vec3,
+    color: Rgb,
+    /// `None` if it sends nothing there, and where it is even.
+    shares: Option<Shares>,
+    /// What all lobes miss.
+    missing: f64,
+    /// The root in the masking of the base's microfacets.
+    root: f64,
+}
+
+impl Facing<'_> {
+    /// The colour of a surface that scatters evenly.
+    #[inline]
+    pub(crate) fn even_color(&self) -> Option<Rgb> {
+        self.all.is_even.then_some(self.color)
+    }
+
+    /// Whether some of the lobes are wide.
+    #[inline]
+    pub(crate) fn is_wide(&self) -> bool {
+        self.all.has(Kind::Wide)
+    }
+
+    /// What the surface sends on of the light from `wi` on the upper side; perfect mirrors send nothing.
+    #[inline]
+    pub(crate) fn evaluate(&self, wi: Vec3) -> Parts {
+        if self.all.is_even {
+            let mut parts = Parts::default();
+            if self.wo.z > 0.0 && wi.z > 0.0 {
+                let even = wi.z * core::f64::consts::FRAC_1_PI;
+                parts.add(Kind::Wide, self.color * even, even);
+            }
+            return parts;
+        }
+        match self.shares {
+            Some(shares) => self.value(shares, wi),
+            None => Parts::default(),
+        }
+    }
+
+    fn value(&self, shares: Shares, wi: Vec3) -> Parts {
+        let mut parts = Parts::default();
+        let &Self { all, wo, color, .. } = self;
+        if !(wo.z > 0.0 && wi.z > 0.0) {
+            return parts;
+        }
+        let even = wi.z * core::f64::consts::FRAC_1_PI;
+        let Layers { fuzz, coat, coat_color, gloss, .. } = &all.layers;
+        if let Some(fuzz) = fuzz {
+            parts.add(Kind::Wide, fuzz.color * fuzz.reflect(wo, wi), shares.fuzz * even);
+        }
+        let through_fuzz = all.through_fuzz(wo.z, wi.z);
+        if let Some(coat) = coat
+            && let Lobe::Rough(ggx) = coat.lobe
+        {
+            let found = ggx.reflect_and_pdf(wo, wi, ggx.root(wo.z));
+            let light = Rgb::splat(found.value * coat.fresnel(found.cos) * through_fuzz);
+            parts.add(coat.lobe.kind(), light, shares.coat * found.pdf);
+        }
+        if let Lobe::Rough(ggx) = gloss.lobe
+            && shares.base > 0.0
+        {
+            let found = ggx.reflect_and_pdf(wo, wi, self.root);
+            let through = through_fuzz * all.through_coat(wo.z, wi.z);
+            let light = all.base_fresnel(found.cos, color) * *coat_color * (found.value * through);
+            parts.add(gloss.lobe.kind(), light, shares.base * found.pdf);
+        }
+        if shares.rest > 0.0 {
+            let rest = all.rest_color(color) * (all.all.rest_of(self.missing, wi.z) * wi.z);
+            parts.add(Kind::Wide, rest, shares.rest * even);
+        }
+        parts
+    }
+
+    /// The part of the choices in [`sample`](Self::sample) that scatter evenly; the others reflect.
+    #[inline]
+    pub(crate) fn split(&self) -> Option<f64> {
+        self.shares.map(|shares| shares.rest + shares.fuzz)
+    }
+
+    /// A direction, chosen about in proportion to the light that it sends.
+    pub(crate) fn sample(&self, choice: f64, u: (f64, f64)) -> Option<Scatter> {
+        let &Self { all, wo, color, .. } = self;
+        if all.is_even {
             let direction = warp::cosine_hemisphere(u);
             let pdf = direction.z * core::f64::consts::FRAC_1_PI;
             let good = pdf > 0.0 && !color.is_black();
             return good.then_some(Scatter { direction, weight: color, pdf, kind: Kind::Wide });
         }
-        let shares = self.shares(wo.z, color)?;
-        let Layers { coat, coat_color, gloss, .. } = &self.layers;
+        let shares = self.shares?;
+        let Layers { coat, coat_color, gloss, .. } = &all.layers;
         let mirrored = Vec3::new(-wo.x, -wo.y, wo.z);
         let perfect = |weight| {
             let pdf = f64::INFINITY;
@@ -319,14 +393,14 @@ impl Layered {
             };
             match lobe {
                 Lobe::Smooth => {
-                    let through_fuzz = self.through_fuzz(wo.z, wo.z);
+                    let through_fuzz = all.through_fuzz(wo.z, wo.z);
                     return match coat {
                         Some(coat) if in_coat => {
                             perfect(Rgb::splat(coat.fresnel(wo.z) * through_fuzz / shares.coat))
                         }
                         _ => {
-                            let through = through_fuzz * self.through_coat(wo.z, wo.z);
-                            let light = self.base_fresnel(wo.z, color) * *coat_color;
+                            let through = through_fuzz * all.through_coat(wo.z, wo.z);
+                            let light = all.base_fresnel(wo.z, color) * *coat_color;
                             perfect(light * (through / shares.base))
                         }
                     };
@@ -334,7 +408,7 @@ impl Layered {
                 Lobe::Rough(ggx) => (ggx.sample(wo, u)?.0, lobe.kind()),
             }
         };
-        let parts = self.value(shares, wo, direction, color);
+        let parts = self.value(shares, direction);
         let part = parts.of(kind);
         (part.pdf > 0.0).then(|| Scatter {
             direction,

@@ -25,7 +25,7 @@ use rondure::Vec3;
 
 pub(crate) use boundary::{Boundary, Roughness};
 pub(crate) use ggx::Ggx;
-pub(crate) use layered::{Fuzz, Gloss, Layered, Layers};
+pub(crate) use layered::{Facing, Fuzz, Gloss, Layered, Layers};
 pub(crate) use metal::Metal;
 pub(crate) use spectrum::{Dispersion, Wavelength};
 
@@ -47,7 +47,7 @@ pub(crate) enum Kind {
 pub(crate) struct Part {
     /// The value of the lobes times the cosine.
     pub(crate) value: Rgb,
-    /// The density by solid angle with which [`Layered::sample`] or [`Boundary::sample`] chooses this
+    /// The density by solid angle with which [`Facing::sample`] or [`Boundary::sample`] chooses this
     /// direction by a lobe of this kind.
     pub(crate) pdf: f64,
 }

@@ -7,6 +7,7 @@
 //! arrives that way is left out. `vertex` is a place on a path, `media` what the path is inside of.
 
 mod media;
+mod photon_map;
 pub(crate) mod photons;
 #[cfg(test)]
 mod tests;
@@ -36,8 +37,8 @@ const ROULETTE_FROM: u32 = 3;
 /// chosen.
 const FEW_LAMPS: usize = 16;
 
-/// The scatterings after which a path branches no more.
-const SPLITS: u32 = 8;
+/// The scatterings after which a path branches no more. Later branches cost more time than they save noise.
+const SPLITS: u32 = 2;
 /// A branch that can bring more than this part of white is followed, not left to chance: a lamp seen in it would be
 /// a spark.
 const SPLIT_LIGHT: f64 = 0.02;
@@ -73,6 +74,8 @@ struct Walk {
     ray: Ray,
     /// The share of the ray's light that reaches the eye.
     weight: Rgb,
+    /// What part of the light's ways it stands for, where it branched.
+    part: f64,
     /// The density by solid angle with which the ray was chosen, and by what kind of lobe.
     pdf: f64,
     kind: Kind,
@@ -98,6 +101,7 @@ impl Tracer<'_> {
         let mut waiting = vec![Walk {
             ray: *ray,
             weight: Rgb::WHITE,
+            part: 1.0,
             depth: 0,
             hidden: 0,
             pdf: f64::INFINITY,
@@ -169,7 +173,9 @@ impl Tracer<'_> {
         {
             let left = self.depth - walk.depth;
             let index = filling.map_or(1.0, |glass| glass.ior(walk.wavelength));
-            *light += walk.weight * photons.gather(&vertex, contact.thing, left) / (index * index);
+            let turn = self.sample.turn(walk.key);
+            let found = photons.gather(&vertex, contact.thing, left, turn);
+            *light += walk.weight * found / (index * index);
         }
         let splits = !walk.scattered && walk.depth < SPLITS;
         let split = splits.then(|| vertex.split()).flatten().filter(|share| {
@@ -184,7 +190,8 @@ impl Tracer<'_> {
             let Some(onward) = vertex.onward(&media, &draw.among(from, share)) else { continue };
             let mut weight = walk.weight * onward.weight * share;
             if walk.depth >= ROULETTE_FROM && !onward.straight {
-                let live = weight.max_channel().min(1.0);
+                // Where a path branched it became no less worth following.
+                let live = (weight.max_channel() / (walk.part * share)).min(1.0);
                 if !(self.sample.single(walk.key.child(ROULETTE)) < live) {
                     continue;
                 }
@@ -194,6 +201,7 @@ impl Tracer<'_> {
             let mut onwards = Walk {
                 ray: onward.ray,
                 weight,
+                part: walk.part * share,
                 media: onward.media,
                 key: walk.key.child(branch),
                 hidden: walk.hidden + 1,
@@ -223,6 +231,9 @@ impl Tracer<'_> {
     fn sky(&self, walk: &Walk) -> Rgb {
         let sky = &self.world.sky;
         let direction = walk.ray.direction;
+        if !sky.is_picture() {
+            return sky.radiance(direction);
+        }
         sky.radiance(direction) * self.weighting.of_chance(walk.pdf, sky.pdf(direction))
     }
 
@@ -275,7 +286,10 @@ impl Tracer<'_> {
                 }
             }
         }
-        if let Some(incoming) = world.sky.sample(self.sample.pair(walk.key.child(SKY))) {
+        // Of an even sky chance knows about as much.
+        if world.sky.is_picture()
+            && let Some(incoming) = world.sky.sample(self.sample.pair(walk.key.child(SKY)))
+        {
             // No photons come from the sky.
             sum += self.arriving(walk, vertex, &incoming, true);
         }

@@ -9,23 +9,21 @@
 //!
 //! The photons of a pass are a function of the scene, the seed and the pass alone.
 
-use std::{
-    collections::HashMap,
-    sync::atomic::{AtomicU32, Ordering},
-};
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use rayon::prelude::*;
 use rondure::Vec3;
 
 use super::{
     media::Media,
+    photon_map::{HIGHEST_LEVEL, Photon, PhotonMap},
     vertex::{Draw, Vertex, is_dispersive},
 };
 use crate::{
     bsdf::{Kind, Wavelength},
     color::Rgb,
     light::Emitted,
-    sampler::{Key, Sample, mix},
+    sampler::{Key, Sample},
     world::{Role, World},
 };
 
@@ -41,12 +39,6 @@ const MOST: f64 = 1e6;
 const AT_A_TIME: u32 = 1024;
 /// The way, as part of the radius of its target, from which on a photon counts in a larger radius.
 const WIDENS_FROM: f64 = 3.0;
-/// The greatest of the powers of four by which the radius of photons grows that come from far or lie far apart.
-const HIGHEST_LEVEL: u32 = 3;
-/// The photons that a cell must hold for them to keep their radius.
-const ENOUGH: u32 = 8;
-/// How far from the plane of the surface a photon may lie, as part of the radius.
-const FLATNESS: f64 = 0.2;
 
 // The random numbers of a photon's start.
 const PAIR: u32 = 1;
@@ -125,31 +117,11 @@ impl Aim {
     }
 }
 
-/// Light that came to rest.
-#[derive(Clone, Copy, Debug)]
-struct Photon {
-    point: Vec3,
-    /// Where it came from.
-    direction: Vec3,
-    power: Rgb,
-    thing: u32,
-    /// How often it was scattered.
-    bounces: u32,
-    /// The radius in which it counts, as a power of four times that of the pass.
-    level: u32,
-}
-
-/// The photons of one pass, in cells of a grid.
+/// The photons of one pass.
 #[derive(Debug)]
 pub(crate) struct Photons {
     aim: Aim,
-    radius: f64,
-    /// For each thing the levels of the photons on it, as bits.
-    levels: Vec<u8>,
-    /// In the order of the hashes of their cells.
-    all: Vec<Photon>,
-    /// Where those of each hash begin.
-    starts: Vec<u32>,
+    map: PhotonMap,
 }
 
 /// Which photons a pass sends out.
@@ -186,29 +158,9 @@ impl Photons {
             .collect();
         // The area shrinks by the third root of the number of samples.
         let radius = FIRST_RADIUS * aim.size * f64::from(volley.first + 1).powf(-1.0 / 6.0);
-        let mut photons: Vec<_> = found?.into_iter().flatten().collect();
-        widen(radius, &mut photons);
-        Some(Self::sorted(aim.clone(), radius, photons))
-    }
-
-    fn sorted(aim: Aim, radius: f64, photons: Vec<Photon>) -> Self {
-        let table = photons.len().next_power_of_two().max(1);
-        let hash = |photon: &Photon| {
-            hash(cell(photon.point, radius_of(radius, photon.level)), photon.level, table)
-        };
-        let mut starts = vec![0_u32; table + 1];
-        let mut levels = vec![0; aim.is_target.len()];
-        for photon in &photons {
-            starts[hash(photon) + 1] += 1;
-            levels[photon.thing as usize] |= 1 << photon.level;
-        }
-        for i in 0..table {
-            starts[i + 1] += starts[i];
-        }
-        let mut all = photons;
-        // Stable: within a cell in the order in which they were sent out.
-        all.sort_by_cached_key(hash);
-        Self { aim, radius, levels, all, starts }
+        let photons = found?.into_iter().flatten().collect();
+        let map = PhotonMap::new(radius, world.count(), photons);
+        Some(Self { aim: aim.clone(), map })
     }
 
     /// Whether photons are aimed at a thing.
@@ -218,87 +170,10 @@ impl Photons {
     }
 
     /// The light of the photons that came to rest round a place on the same thing, as it is seen from there;
-    /// each scattered at most `left` times before.
-    pub(crate) fn gather(&self, vertex: &Vertex<'_>, thing: u32, left: u32) -> Rgb {
-        let used = self.levels[thing as usize];
-        let levels = (0..=HIGHEST_LEVEL).filter(|level| used >> level & 1 == 1);
-        levels.fold(Rgb::BLACK, |sum, level| sum + self.gather_level(vertex, thing, left, level))
+    /// each scattered at most `left` times before. `turn` is any number, and the next for the next sample.
+    pub(crate) fn gather(&self, vertex: &Vertex<'_>, thing: u32, left: u32, turn: u32) -> Rgb {
+        self.map.gather(vertex, thing, left, turn)
     }
-
-    fn gather_level(&self, vertex: &Vertex<'_>, thing: u32, left: u32, level: u32) -> Rgb {
-        let surface = &vertex.surface;
-        let radius = radius_of(self.radius, level);
-        let first = cell(surface.point - Vec3::splat(radius), radius);
-        let r2 = radius * radius;
-        let mut sum = Rgb::BLACK;
-        let mut places = [usize::MAX; 8];
-        for corner in 0..8 {
-            let at = [
-                first[0] + (corner & 1),
-                first[1] + (corner >> 1 & 1),
-                first[2] + (corner >> 2 & 1),
-            ];
-            let place = hash(at, level, self.starts.len() - 1);
-            // Of cells with the same hash one shows the photons of all.
-            places[corner as usize] = place;
-            if places[..corner as usize].contains(&place) {
-                continue;
-            }
-            let range = self.starts[place] as usize..self.starts[place + 1] as usize;
-            for photon in &self.all[range] {
-                if photon.thing != thing || photon.level != level || photon.bounces > left {
-                    continue;
-                }
-                let off = photon.point - surface.point;
-                let d2 = off.length_squared();
-                if d2 >= r2 || off.dot(surface.normal).abs() > FLATNESS * radius {
-                    continue;
-                }
-                let wide = vertex.evaluate(photon.direction).wide.value;
-                let cos = photon.direction.dot(surface.normal).abs();
-                if wide.is_black() || !(cos > 0.0) {
-                    continue;
-                }
-                // Epanechnikov's kernel: 2 (1 - d^2 / r^2) / (pi r^2).
-                sum += photon.power * wide * ((1.0 - d2 / r2) / cos);
-            }
-        }
-        sum * (2.0 * core::f64::consts::FRAC_1_PI / r2)
-    }
-}
-
-/// Gives photons that lie far apart a larger radius, until some share a cell: one alone would be seen as a spot.
-fn widen(radius: f64, photons: &mut [Photon]) {
-    for level in 0..HIGHEST_LEVEL {
-        let place = |photon: &Photon| (photon.thing, cell(photon.point, radius_of(radius, level)));
-        let mut counts: HashMap<_, u32> = HashMap::new();
-        for photon in &*photons {
-            *counts.entry(place(photon)).or_default() += 1;
-        }
-        for photon in photons.iter_mut().filter(|photon| photon.level == level) {
-            if counts[&place(photon)] < ENOUGH {
-                photon.level += 1;
-            }
-        }
-    }
-}
-
-#[inline]
-fn radius_of(radius: f64, level: u32) -> f64 {
-    radius * f64::from(1_u32 << (2 * level))
-}
-
-/// The cell of a grid of cells two radii wide.
-#[inline]
-fn cell(point: Vec3, radius: f64) -> [i64; 3] {
-    let at = |x: f64| (x / (2.0 * radius)).floor() as i64;
-    [at(point.x), at(point.y), at(point.z)]
-}
-
-#[inline]
-fn hash(cell: [i64; 3], level: u32, table: usize) -> usize {
-    let [x, y, z] = cell.map(|x| x as u32);
-    mix(mix(x, y), mix(z, level)) as usize & (table - 1)
 }
 
 /// Follows one photon to all places where it comes to rest.

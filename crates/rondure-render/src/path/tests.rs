@@ -12,6 +12,11 @@ use super::*;
 /// A metal floor of some roughness, seen at 45 degrees, and above it where its mirror image is seen a lamp of some
 /// radius.
 fn world(roughness: f64, radius: f64, sky: Sky) -> World {
+    world_of(Material::Metal { eta: [1.6; 3], k: [9.0; 3], roughness }, radius, sky)
+}
+
+/// The same with a floor of any material.
+pub(super) fn world_of(material: Material, radius: f64, sky: Sky) -> World {
     let camera = Camera {
         eye: Vec3::new(0.0, -1.0, 1.0),
         look_at: Vec3::ZERO,
@@ -35,7 +40,7 @@ fn world(roughness: f64, radius: f64, sky: Sky) -> World {
         sky,
         lights: vec![lamp],
         objects: vec![floor],
-        materials: vec![Material::Metal { eta: [1.6; 3], k: [9.0; 3], roughness }],
+        materials: vec![material],
         reliefs: vec![None],
         section: Vec::new(),
     };

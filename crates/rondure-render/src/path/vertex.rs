@@ -1,10 +1,10 @@
 //! A place on a path where it meets a surface, from the eye or from a lamp.
 
-use rondure::{Interaction, Ray, Vec3};
+use rondure::{Footing, Ray, Vec3};
 
 use super::media::{Body, Media};
 use crate::{
-    bsdf::{Boundary, Kind, Layered, Parts, Scatter, Wavelength},
+    bsdf::{Boundary, Facing, Kind, Parts, Scatter, Wavelength},
     color::Rgb,
     fresnel,
     optics::{Medium, Optics},
@@ -56,21 +56,22 @@ impl<'a> Draw<'a> {
 }
 
 pub(crate) struct Vertex<'a> {
-    pub(crate) surface: Interaction,
+    pub(crate) surface: Footing,
     /// Its z axis is the shading normal on the side that the path comes from.
     frame: Frame,
     normal: Vec3,
     outgoing: Vec3,
+    /// The viewer's direction; rounding may have put it below the horizon.
+    wo: Vec3,
     model: Model<'a>,
+    /// Whether the shading normal is not the geometric one.
+    is_bent: bool,
     /// The bodies on the other side.
     beyond: Media,
 }
 
 enum Model<'a> {
-    Opaque {
-        layers: &'a Layered,
-        color: Rgb,
-    },
+    Opaque(Facing<'a>),
     Clear(Boundary<'a>),
     /// A sheet of glass without thickness.
     Sheet {
@@ -103,13 +104,14 @@ impl<'a> Vertex<'a> {
         wavelength: Option<Wavelength>,
         draw: &Draw<'_>,
     ) -> Self {
-        let surface = world.interaction(ray, contact);
+        let surface = world.footing(ray, contact);
         let optics = world.optics(finish);
         let outgoing = -ray.direction;
         let entering = surface.normal.dot(outgoing) >= 0.0;
         let normal = if entering { surface.normal } else { -surface.normal };
         let mut beyond = *media;
         let mut shading = normal;
+        let (mut frame, mut wo) = facing(normal, outgoing);
         let model = match &optics.glass {
             Some(medium) if optics.clarity >= 1.0 || draw.model() < optics.clarity => {
                 if solid {
@@ -128,6 +130,7 @@ impl<'a> Vertex<'a> {
                 let color = match optics.color.plain() {
                     Some(color) if !world.has_relief(finish) => color,
                     _ => {
+                        let surface = world.interaction(ray, contact);
                         let spot = world.spot(contact, &surface, outgoing);
                         let outwards =
                             world.shading_normal(finish, contact, &surface, &spot, outgoing);
@@ -135,25 +138,18 @@ impl<'a> Vertex<'a> {
                         optics.color.at(&spot)
                     }
                 };
-                Model::Opaque { layers: &optics.opaque, color }
+                (frame, wo) = facing(shading, outgoing);
+                Model::Opaque(optics.opaque.facing(wo, color))
             }
         };
-        Self { surface, frame: Frame::new(shading), normal, outgoing, model, beyond }
-    }
-
-    /// The viewer's direction; rounding may have put it below the horizon.
-    #[inline]
-    fn wo(&self) -> Vec3 {
-        let mut wo = self.frame.to_local(self.outgoing);
-        wo.z = wo.z.max(f64::MIN_POSITIVE);
-        wo
+        Self { surface, frame, normal, outgoing, wo, model, is_bent: shading != normal, beyond }
     }
 
     /// Whether light from a lamp can be seen in it otherwise than as a mirror image.
     #[inline]
     pub(crate) fn is_lit(&self) -> bool {
         match &self.model {
-            Model::Opaque { .. } => true,
+            Model::Opaque(_) => true,
             Model::Clear(boundary) => boundary.roughness.is_some(),
             Model::Sheet { .. } | Model::Hidden => false,
         }
@@ -162,7 +158,22 @@ impl<'a> Vertex<'a> {
     /// Whether some of the light that is seen comes by wide lobes.
     #[inline]
     pub(crate) fn is_wide(&self) -> bool {
-        matches!(&self.model, Model::Opaque { layers, .. } if layers.has(Kind::Wide))
+        matches!(&self.model, Model::Opaque(facing) if facing.is_wide())
+    }
+
+    /// The geometric normal on the side that the path comes from.
+    #[inline]
+    pub(crate) fn normal(&self) -> Vec3 {
+        self.normal
+    }
+
+    /// The colour of a surface that scatters evenly from its whole upper side, and does nothing else.
+    #[inline]
+    pub(crate) fn even_color(&self) -> Option<Rgb> {
+        match &self.model {
+            Model::Opaque(facing) if !self.is_bent => facing.even_color(),
+            _ => None,
+        }
     }
 
     /// What is sent back of the light from a direction on the viewer's side.
@@ -173,9 +184,9 @@ impl<'a> Vertex<'a> {
             return Parts::default();
         }
         match &self.model {
-            Model::Opaque { layers, color } => layers.evaluate(self.wo(), wi, *color),
+            Model::Opaque(facing) => facing.evaluate(wi),
             Model::Clear(boundary) => {
-                Parts { narrow: boundary.evaluate(self.wo(), wi), ..Parts::default() }
+                Parts { narrow: boundary.evaluate(self.wo, wi), ..Parts::default() }
             }
             Model::Sheet { .. } | Model::Hidden => Parts::default(),
         }
@@ -183,9 +194,9 @@ impl<'a> Vertex<'a> {
 
     /// Where the numbers that choose between lobes part in two groups, the one reflected as by a mirror.
     pub(crate) fn split(&self) -> Option<f64> {
-        let cos = self.wo().z.min(1.0);
+        let cos = self.wo.z.min(1.0);
         match &self.model {
-            Model::Opaque { layers, color } => layers.split(cos, *color),
+            Model::Opaque(facing) => facing.split(),
             Model::Clear(boundary) => boundary.split(cos),
             Model::Sheet { ior } => Some(fresnel::sheet(fresnel::from_air(cos, *ior))),
             Model::Hidden => None,
@@ -198,12 +209,12 @@ impl<'a> Vertex<'a> {
         let perfect = |direction, pdf| {
             Some(Scatter { direction, weight: Rgb::WHITE, pdf, kind: Kind::Narrow })
         };
-        let wo = self.wo();
+        let wo = self.wo;
         let scatter = match &self.model {
-            Model::Opaque { layers, color } => {
+            Model::Opaque(facing) => {
                 // A single lobe needs no number.
-                let lobe = if layers.is_even() { 0.0 } else { draw.lobe() };
-                layers.sample(wo, *color, lobe, draw.direction())
+                let lobe = if facing.even_color().is_some() { 0.0 } else { draw.lobe() };
+                facing.sample(lobe, draw.direction())
             }
             Model::Clear(boundary) => boundary.sample(wo, draw.lobe(), draw.direction()),
             Model::Sheet { ior } => {
@@ -234,6 +245,15 @@ impl<'a> Vertex<'a> {
             straight: matches!(self.model, Model::Hidden),
         })
     }
+}
+
+/// The frame round a normal, and the viewer's direction in it.
+#[inline]
+fn facing(normal: Vec3, outgoing: Vec3) -> (Frame, Vec3) {
+    let frame = Frame::new(normal);
+    let mut wo = frame.to_local(outgoing);
+    wo.z = wo.z.max(f64::MIN_POSITIVE);
+    (frame, wo)
 }
 
 fn boundary<'a>(
