@@ -121,6 +121,7 @@ impl<'a> Job<'a> {
             seed: self.seed,
             pass: pass.0,
             first: samples.start,
+            each: samples.len() as u32,
             samples: f64::from(width) * f64::from(height) * samples.len() as f64,
             depth: self.scene.film.depth.min(MAX_DEPTH),
         };

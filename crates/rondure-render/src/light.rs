@@ -303,6 +303,41 @@ impl Lamp {
         }
     }
 
+    /// Whether its body can be met by a ray.
+    #[inline]
+    pub(crate) fn has_body(&self) -> bool {
+        matches!(self, Self::Disk { .. } | Self::Sphere { .. } | Self::Turned(_))
+    }
+
+    /// Whether it sends light from a place of its body this way, of any length: a sphere sends none inwards.
+    #[inline]
+    pub(crate) fn sends(&self, from: Vec3, way: Vec3) -> bool {
+        match *self {
+            Self::Sphere { center, .. } => (from - center).dot(way) > 0.0,
+            _ => true,
+        }
+    }
+
+    /// The radiance times this is the power that [`emit`](Self::emit) gives a ray from the place `from` of the lamp's body
+    /// towards the ball: cos / (area density x density by solid angle). `facing` is the cosine over the
+    /// area density with which places on the body are chosen.
+    pub(crate) fn extent_to(
+        &self,
+        (center, radius): (Vec3, f64),
+        (from, direction): (Vec3, Vec3),
+        facing: f64,
+    ) -> f64 {
+        let facing = match *self {
+            // Places are looked for by solid angle, but light is sent from all alike.
+            Self::Sphere { center: own, radius: r, .. } => {
+                let (_, height) = facing_half((own, r), (center, radius));
+                TAU * height * r * (from - own).dot(direction).max(0.0)
+            }
+            _ => facing,
+        };
+        facing * TAU * visible_cap(center, radius, from).1
+    }
+
     /// A ray towards the ball, from a place chosen by `place`, in a direction chosen by `aim`.
     pub(crate) fn emit(
         &self,
@@ -355,16 +390,7 @@ impl Lamp {
                 (cos > 0.0).then(|| Emitted { ray: found.surface.spawn(direction), power })
             }
             Self::Sphere { center: from, radius: r, radiance } => {
-                // From the half that faces the ball, unless the two are within each other.
-                let to_ball = center - from;
-                let half = to_ball.length_squared() > (radius + r) * (radius + r);
-                // The ball may be seen from a little beyond the half.
-                let (axis, height) = if half {
-                    let distance = to_ball.length();
-                    (to_ball / distance, 1.0 + (radius + r) / distance)
-                } else {
-                    (Vec3::Z, ALL_ROUND)
-                };
+                let (axis, height) = facing_half((from, r), (center, radius));
                 let normal = Frame::new(axis).to_world(warp::cap(place, height));
                 let from = from + normal * r;
                 let (direction, solid_angle) = towards(from);
@@ -373,6 +399,18 @@ impl Lamp {
                 (cos > 0.0).then(|| Emitted { ray: leaving(from, normal, direction), power })
             }
         }
+    }
+}
+
+/// The cap of a sphere from which a ball can be seen, its axis and height as part of the radius: a little more than
+/// half, and all if the two are within each other.
+fn facing_half((from, r): (Vec3, f64), (center, radius): (Vec3, f64)) -> (Vec3, f64) {
+    let to_ball = center - from;
+    let distance = to_ball.length();
+    if distance > radius + r {
+        (to_ball / distance, 1.0 + (radius + r) / distance)
+    } else {
+        (Vec3::Z, ALL_ROUND)
     }
 }
 

@@ -8,6 +8,7 @@ use std::{f64::consts::PI, sync::Arc};
 
 use common::{BLACK, Build, WHITE, at, matte, mean, scene};
 use rondure::{Affine, Instance, Profile, Surface, Vec3};
+use rondure_render::Picture;
 use rondure_scene::{
     Glass, Integrator, Light, Material, Paint, Principled, Projection, Scene, Shape,
 };
@@ -179,6 +180,87 @@ fn photons_and_chance_agree() {
     });
     let by_chance = mean(&look().with(Shape::Sphere { center, radius }, shining).shoot());
     assert!((by_photons - by_chance).abs() < 0.02 * by_chance, "{by_photons} {by_chance}");
+}
+
+/// The same on a glossy floor, in whose lobe the lamp is seen through the ball: there both ways count.
+#[test]
+fn photons_and_chance_share_what_a_glossy_floor_shows() {
+    let ball = Shape::Sphere { center: Vec3::new(0.0, 0.0, 1.5), radius: 1.0 };
+    let (center, radius) = (Vec3::new(0.0, 4.0, 3.5), 1.0);
+    let look = |spp| {
+        let eye = Vec3::new(0.0, -9.0, 4.0);
+        let at = Vec3::new(0.0, -2.45, 0.0);
+        let mut scene = scene(12, spp, eye, at, Projection::Perspective { fov: 3.0 });
+        scene.film.integrator = Integrator::Path;
+        let gloss =
+            Material::Glossy { color: Paint::Solid([0.05; 3]), specular: 1.0, roughness: 0.25 };
+        scene.with(FLOOR, gloss).with(ball.clone(), Material::Glass(Glass::clear([1.0; 3], 1.5)))
+    };
+    let lamp = || Light::Sphere { center, radius, radiance: [40.0; 3] };
+    let shining = made(|p| {
+        p.emission = [40.0; 3];
+        p.base_color = Paint::Solid([0.0; 3]);
+        p.specular_weight = 0.0;
+    });
+    let by_chance = look(1024).with(Shape::Sphere { center, radius }, shining).shoot();
+    let expected = mean(&by_chance);
+    let found = mean(&look(256).lit(lamp()).shoot());
+    println!("{found} {expected}");
+    assert!((found - expected).abs() < 0.02 * expected, "{found} {expected}");
+    // No disk of a single photon is seen: squares of 4 x 4 pixels have light like those by chance.
+    let few = look(16).lit(lamp()).shoot();
+    let square = |picture: &Picture, i: u32| {
+        let pixels = (0..16).map(|j| at(picture, i % 3 * 4 + j % 4, i / 3 * 4 + j / 4));
+        pixels.sum::<f64>() / 16.0
+    };
+    for i in 0..9 {
+        let (found, expected) = (square(&few, i), square(&by_chance, i));
+        println!("{i} {found} {expected}");
+    }
+}
+
+/// A large sphere shines inwards, too, and photons do not bring that: a white ball in glass vanishes.
+#[test]
+fn what_shines_all_round_is_seen_through_glass() {
+    let eye = Vec3::new(0.0, -6.0, 0.5);
+    let mut scene = scene(8, 64, eye, Vec3::ZERO, Projection::Perspective { fov: 6.0 });
+    scene.film.depth = 60;
+    scene.film.integrator = Integrator::Path;
+    let hall = Light::Sphere { center: Vec3::ZERO, radius: 30.0, radiance: [1.0; 3] };
+    let core = Shape::Sphere { center: Vec3::ZERO, radius: 0.5 };
+    let glass = Material::Glass(Glass::clear([1.0; 3], 1.5));
+    let found = mean(&scene.lit(hall).with(core, matte(1.0)).with(BALL, glass).shoot());
+    assert!((found - 1.0).abs() < 1e-2, "{found}");
+}
+
+/// Four sheets of glass under a wide lamp reflect 4 r / (1 + 3 r) of its light, where one reflects r. Each sample
+/// shows that: none shows the whole lamp because it was let go on in place of others.
+#[test]
+fn paths_that_branch_leave_no_sparks() {
+    let eye = Vec3::new(0.0, -1.0, 1.0);
+    let mut scene = scene(16, 1, eye, Vec3::ZERO, Projection::Orthographic { height: 0.5 });
+    scene.film.depth = 60;
+    scene.film.integrator = Integrator::Path;
+    let center = Vec3::Z * 5.0;
+    scene = scene.lit(Light::Disk { center, normal: -Vec3::Z, radius: 1e3, radiance: [30.0; 3] });
+    for z in [0.0, -0.1, -0.2, -0.3] {
+        let sheet = Shape::Plane { point: Vec3::Z * z, normal: Vec3::Z };
+        scene = scene.with(sheet, Material::Glass(Glass::clear([1.0; 3], 1.5)));
+    }
+    // Fresnel's reflectance at 45 degrees; of a sheet, all ways to and fro added up.
+    let (cos, inside) = (0.5_f64.sqrt(), (1.0 - 0.5 / 2.25_f64).sqrt());
+    let s = ((cos - 1.5 * inside) / (cos + 1.5 * inside)).powi(2);
+    let p = ((1.5 * cos - inside) / (1.5 * cos + inside)).powi(2);
+    let one = 0.5 * (s + p);
+    let r = 2.0 * one / (1.0 + one);
+    let expected = 30.0 * 4.0 * r / (1.0 + 3.0 * r);
+    let picture = scene.shoot();
+    let found = mean(&picture);
+    assert!((found - expected).abs() < 0.01 * expected, "{found} {expected}");
+    for i in 0..256 {
+        let pixel = at(&picture, i % 16, i / 16);
+        assert!((pixel - expected).abs() < 0.3 * expected, "{i}: {pixel} {expected}");
+    }
 }
 
 /// The middle of the floor of a shining pipe: of all directions weighted by the cosine, the opening at height h

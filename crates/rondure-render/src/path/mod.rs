@@ -4,9 +4,11 @@
 //!
 //! One kind of light a path finds by chance alone, and too rarely: from a lamp through narrow lobes, mirrors
 //! and glass, onto a wide one. That are caustics, and `photons` brings them from the lamps; here what
-//! arrives that way is left out. `vertex` is a place on a path, `media` what the path is inside of.
+//! arrives that way is left out, but where chance finds it better (`merging`). `vertex` is a place on a path, `media`
+//! what the path is inside of.
 
 mod media;
+mod merging;
 mod photon_map;
 pub(crate) mod photons;
 #[cfg(test)]
@@ -14,12 +16,13 @@ mod tests;
 mod vertex;
 mod weighting;
 
-use rondure::{Interaction, Ray};
+use rondure::{Interaction, Ray, Vec3};
 use rondure_film::Statistics;
 
 pub(crate) use self::weighting::Weighting;
 use self::{
     media::Media,
+    merging::Chance,
     photons::Photons,
     vertex::{Draw, Vertex, is_dispersive},
 };
@@ -81,8 +84,10 @@ struct Walk {
     kind: Kind,
     /// Whether a wide lobe has scattered the path.
     scattered: bool,
-    /// Whether the ray comes from something that photons are aimed at.
-    from_target: bool,
+    /// What chance counts since then, where photons bring the same light.
+    chance: Chance,
+    /// What the ray comes from, if photons are aimed at that.
+    from_target: Option<u32>,
     /// Whether all lamps were looked for where the ray comes from, and not one of them.
     all_lamps: bool,
     media: Media,
@@ -107,7 +112,8 @@ impl Tracer<'_> {
             pdf: f64::INFINITY,
             kind: Kind::Narrow,
             scattered: false,
-            from_target: false,
+            chance: Chance::NONE,
+            from_target: None,
             all_lamps: true,
             media: Media::default(),
             wavelength: None,
@@ -162,25 +168,27 @@ impl Tracer<'_> {
         let met = (finish, solid);
         let vertex = Vertex::new(world, &ray, &contact, met, &media, walk.wavelength, &draw);
         let is_target = self.photons.is_some_and(|photons| photons.is_target(contact.thing));
+        let target = is_target.then_some(contact.thing);
         let all_lamps = !walk.scattered && world.lamps.len() <= FEW_LAMPS;
         if vertex.is_lit() {
             // What is seen of a lamp in narrow lobes from a wide one is a caustic.
-            let narrow = !(walk.scattered && is_target);
-            *light += walk.weight * self.direct(&walk, &vertex, narrow, all_lamps);
+            let target = target.filter(|_| walk.scattered);
+            *light += walk.weight * self.direct(&walk, &vertex, target, all_lamps);
         }
+        let splits = !walk.scattered && walk.depth < SPLITS;
+        let split = splits.then(|| vertex.split()).flatten().filter(|share| {
+            share.min(1.0 - share) * walk.weight.max_channel() >= self.least_branch()
+        });
+        let reflecting = split.map_or(1.0, |share| 1.0 - share);
         if let Some(photons) = self.photons
             && vertex.is_wide()
         {
             let left = self.depth - walk.depth;
             let index = filling.map_or(1.0, |glass| glass.ior(walk.wavelength));
             let turn = self.sample.turn(walk.key);
-            let found = photons.gather(&vertex, contact.thing, left, turn);
+            let found = photons.gather(&vertex, contact.thing, left, turn, reflecting);
             *light += walk.weight * found / (index * index);
         }
-        let splits = !walk.scattered && walk.depth < SPLITS;
-        let split = splits.then(|| vertex.split()).flatten().filter(|share| {
-            share.min(1.0 - share) * walk.weight.max_channel() >= self.least_branch()
-        });
         let branches = match split {
             Some(share) => [Some((0.0, share)), Some((share, 1.0 - share))],
             None => [Some((0.0, 1.0)), None],
@@ -212,8 +220,17 @@ impl Tracer<'_> {
                 onwards.depth += 1;
                 onwards.pdf = onward.pdf;
                 onwards.kind = onward.kind;
-                onwards.scattered |= onward.kind == Kind::Wide;
-                onwards.from_target = is_target;
+                onwards.from_target = target;
+                if onward.kind == Kind::Wide {
+                    onwards.scattered = true;
+                    let cos = onward.ray.direction.dot(vertex.normal());
+                    onwards.chance = match self.photons {
+                        Some(photons) if vertex.even_color().is_none() => {
+                            photons.chance(onward.pdf, cos, reflecting)
+                        }
+                        _ => Chance::NONE,
+                    };
+                }
                 onwards.all_lamps = all_lamps;
             }
             waiting.extend(next.replace(onwards));
@@ -237,41 +254,76 @@ impl Tracer<'_> {
         sky.radiance(direction) * self.weighting.of_chance(walk.pdf, sky.pdf(direction))
     }
 
-    /// The same of a lamp that the ray meets; none if photons bring it.
+    /// The same of a lamp that the ray meets.
     fn lamp(&self, walk: &Walk, lamp: u32, distance: f64) -> Rgb {
-        if walk.scattered && walk.kind == Kind::Narrow && walk.from_target {
-            return Rgb::BLACK;
-        }
         let Ray { origin, direction, .. } = walk.ray;
         let found = &self.world.lamps[lamp as usize];
+        let pdf = found.pdf(origin, direction, distance);
+        let left = match walk.from_target {
+            Some(thing) if walk.scattered && walk.kind == Kind::Narrow => {
+                self.left(walk.chance, thing, lamp, (origin, direction * distance), pdf)
+            }
+            _ => 1.0,
+        };
+        if left == 0.0 {
+            return Rgb::BLACK;
+        }
         let share = if walk.all_lamps { 1.0 } else { self.world.lamp_share(origin, lamp as usize) };
-        let pdf = found.pdf(origin, direction, distance) * share;
-        found.radiance() * self.weighting.of_chance(walk.pdf, pdf)
+        found.radiance() * (left * self.weighting.of_chance(walk.pdf, pdf * share))
+    }
+
+    /// The share of the light of a lamp that photons leave, where it comes by the narrow lobes of a thing that they
+    /// are aimed at. `way` leads to the lamp from a place where it is looked for with the density `pdf`.
+    fn left(
+        &self,
+        chance: Chance,
+        thing: u32,
+        lamp: u32,
+        (at, way): (Vec3, Vec3),
+        pdf: f64,
+    ) -> f64 {
+        let Some(photons) = self.photons else { return 1.0 };
+        let source = (lamp, &self.world.lamps[lamp as usize]);
+        let back = (at + way, -way);
+        if chance.is_none() {
+            return if photons.go(source, thing, back) { 0.0 } else { 1.0 };
+        }
+        chance.weight(photons.density(source, thing, back, pdf))
     }
 
     /// The share of the light of a shining surface that was not looked for where the ray comes from, and that
     /// photons do not bring.
     fn shine(&self, walk: &Walk, thing: u32, surface: &Interaction) -> f64 {
         let Some(lamp) = self.world.lamp_of(thing) else { return 1.0 };
-        if walk.scattered && walk.kind == Kind::Narrow && walk.from_target {
-            return 0.0;
-        }
         let Lamp::Turned(shining) = &self.world.lamps[lamp as usize] else { return 1.0 };
         let origin = walk.ray.origin;
+        let pdf = shining.pdf(origin, surface);
+        let left = match walk.from_target {
+            Some(target) if walk.scattered && walk.kind == Kind::Narrow => {
+                self.left(walk.chance, target, lamp, (origin, surface.point - origin), pdf)
+            }
+            _ => 1.0,
+        };
         let share = if walk.all_lamps { 1.0 } else { self.world.lamp_share(origin, lamp as usize) };
-        self.weighting.of_chance(walk.pdf, shining.pdf(origin, surface) * share)
+        left * self.weighting.of_chance(walk.pdf, pdf * share)
     }
 
-    /// The light of lamps and sky that a surface sends on; `narrow` tells whether what its narrow lobes send
-    /// counts.
-    fn direct(&mut self, walk: &Walk, vertex: &Vertex<'_>, narrow: bool, all: bool) -> Rgb {
+    /// The light of lamps and sky that a surface sends on; `target` is the surface's thing, if photons bring of the
+    /// lamps' light what its narrow lobes send.
+    fn direct(&mut self, walk: &Walk, vertex: &Vertex<'_>, target: Option<u32>, all: bool) -> Rgb {
         let world = self.world;
         let at = vertex.surface.point;
         let mut sum = Rgb::BLACK;
+        let left = |tracer: &Self, lamp: u32, incoming: &Incoming| {
+            let Some(thing) = target else { return 1.0 };
+            let way = incoming.direction * incoming.distance;
+            tracer.left(walk.chance, thing, lamp, (at, way), incoming.pdf)
+        };
         if all {
             for (i, lamp) in (0..).zip(&world.lamps) {
                 let u = self.sample.pair(walk.key.child(LAMPS + i));
                 if let Some(incoming) = lamp.sample(at, u) {
+                    let narrow = left(self, i, &incoming);
                     sum += self.arriving(walk, vertex, &incoming, narrow);
                 }
             }
@@ -280,6 +332,7 @@ impl Tracer<'_> {
             if let Some((lamp, share)) = world.choose_lamp(at, choice) {
                 let u = self.sample.pair(walk.key.child(LAMPS));
                 if let Some(incoming) = world.lamps[lamp].sample(at, u) {
+                    let narrow = left(self, lamp as u32, &incoming);
                     let (light, pdf) = (incoming.light / share, incoming.pdf * share);
                     let incoming = Incoming { light, pdf, ..incoming };
                     sum += self.arriving(walk, vertex, &incoming, narrow);
@@ -291,25 +344,25 @@ impl Tracer<'_> {
             && let Some(incoming) = world.sky.sample(self.sample.pair(walk.key.child(SKY)))
         {
             // No photons come from the sky.
-            sum += self.arriving(walk, vertex, &incoming, true);
+            sum += self.arriving(walk, vertex, &incoming, 1.0);
         }
         sum
     }
 
-    /// What one sample of a light adds.
+    /// What one sample of a light adds; of what narrow lobes send, the share `narrow`.
     fn arriving(
         &mut self,
         walk: &Walk,
         vertex: &Vertex<'_>,
         incoming: &Incoming,
-        narrow: bool,
+        narrow: f64,
     ) -> Rgb {
         let parts = vertex.evaluate(incoming.direction);
         let weighting = self.weighting;
         let weigh = |part: Part| part.value * weighting.of_looking(incoming.pdf, part.pdf);
         let mut seen = weigh(parts.wide);
-        if narrow {
-            seen += weigh(parts.narrow);
+        if narrow > 0.0 {
+            seen += weigh(parts.narrow) * narrow;
         }
         if seen.is_black() {
             return Rgb::BLACK;

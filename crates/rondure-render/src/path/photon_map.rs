@@ -12,7 +12,10 @@ use std::collections::HashMap;
 
 use rondure::Vec3;
 
-use super::vertex::Vertex;
+use super::{
+    merging::{self, Chance},
+    vertex::Vertex,
+};
 use crate::color::Rgb;
 
 /// The greatest of the powers of four by which the radius of photons grows that come from far or lie far apart.
@@ -34,6 +37,8 @@ pub(super) struct Photon {
     /// Where it came from.
     pub(super) direction: Vec3,
     pub(super) power: Rgb,
+    /// How many photons go where it went, by area across and solid angle; see `merging`.
+    pub(super) density: f64,
     pub(super) thing: u32,
     /// How often it was scattered.
     pub(super) bounces: u32,
@@ -77,6 +82,7 @@ struct Entry {
 struct Light {
     power: [f32; 3],
     direction: [f32; 3],
+    density: f32,
     bounces: u32,
 }
 
@@ -127,6 +133,7 @@ impl PhotonMap {
             Light {
                 power: [power.r, power.g, power.b].map(|x| x as f32),
                 direction: [direction.x, direction.y, direction.z].map(|x| x as f32),
+                density: photon.density as f32,
                 bounces: photon.bounces,
             }
         };
@@ -134,16 +141,29 @@ impl PhotonMap {
         Self { radius, levels, lights, greatest, entries, cells }
     }
 
+    /// The radius in which those count that are not widened.
+    #[inline]
+    pub(super) fn radius(&self) -> f64 {
+        self.radius
+    }
+
     /// The light of the photons round a place on the same thing, as it is seen from there; each scattered at most
-    /// `left` times before.
+    /// `left` times before. So many `samples` share the light of glossy lobes with them (`merging`).
     ///
     /// Of many in a cell it looks at every k-th, beginning at the one that `turn` chooses, any number: samples with
     /// numbers in a row see all of them. The photons of a pass are the same for many samples, so that theirs is the noise
     /// that lasts.
-    pub(super) fn gather(&self, vertex: &Vertex<'_>, thing: u32, left: u32, turn: u32) -> Rgb {
+    pub(super) fn gather(
+        &self,
+        vertex: &Vertex<'_>,
+        thing: u32,
+        left: u32,
+        turn: u32,
+        samples: f64,
+    ) -> Rgb {
         let used = self.levels[thing as usize];
         let levels = (0..=HIGHEST_LEVEL).filter(|level| used >> level & 1 == 1);
-        let of_level = |level| self.gather_level(vertex, (thing, level), left, turn);
+        let of_level = |level| self.gather_level(vertex, (thing, level), left, turn, samples);
         levels.fold(Rgb::BLACK, |sum, level| sum + of_level(level))
     }
 
@@ -153,6 +173,7 @@ impl PhotonMap {
         (thing, level): (u32, u32),
         left: u32,
         turn: u32,
+        samples: f64,
     ) -> Rgb {
         let surface = &vertex.surface;
         let radius = radius_of(self.radius, level);
@@ -183,8 +204,10 @@ impl PhotonMap {
         } else {
             for (light, kernel, cos) in found {
                 let [x, y, z] = light.direction.map(f64::from);
-                let wide = vertex.evaluate(Vec3::new(x, y, z)).wide.value;
-                sum += color_of(light.power) * wide * f64::from(kernel / cos);
+                let wide = vertex.evaluate(Vec3::new(x, y, z)).wide;
+                let chance = Chance::new(wide.pdf, samples, f64::from(cos), self.radius);
+                let share = merging::of_photon(light.density.into(), chance);
+                sum += color_of(light.power) * wide.value * (share * f64::from(kernel / cos));
             }
         }
         sum * (2.0 * FRAC_1_PI / (radius * radius) * self.greatest * f64::from(step))
@@ -288,6 +311,8 @@ impl Hasher for Quick {
 #[cfg(test)]
 #[allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
+    use core::f64::consts::PI;
+
     use rondure::Ray;
     use rondure_scene::{Material, Paint, Sky};
 
@@ -298,18 +323,24 @@ mod tests {
         world::Role,
     };
 
+    const SAMPLES: f64 = 4.0;
+
     /// All photons, one by one.
-    fn one_by_one(radius: f64, photons: &[Photon], vertex: &Vertex<'_>, left: u32) -> Rgb {
+    fn one_by_one(first: f64, photons: &[Photon], vertex: &Vertex<'_>, left: u32) -> Rgb {
         let mut sum = Rgb::BLACK;
         for photon in photons.iter().filter(|photon| photon.bounces <= left) {
-            let radius = radius_of(radius, photon.level);
+            let radius = radius_of(first, photon.level);
             let off = photon.point - vertex.surface.point;
             let kernel = 1.0 - off.length_squared() / (radius * radius);
             let cos = photon.direction.dot(vertex.normal());
             let flat = off.dot(vertex.normal()).abs() <= f64::from(FLATNESS) * radius;
             if kernel > 0.0 && flat && cos > 0.0 {
-                let value = vertex.evaluate(photon.direction).wide.value;
-                sum += photon.power * value * (kernel * 2.0 * FRAC_1_PI / (cos * radius * radius));
+                let wide = vertex.evaluate(photon.direction).wide;
+                let by_chance =
+                    SAMPLES * (wide.pdf - FRAC_1_PI).max(0.0) / (PI * first * first * cos);
+                let share = 1.0 / (1.0 + (by_chance / photon.density).powi(2));
+                let kernel = share * kernel * 2.0 * FRAC_1_PI / (radius * radius);
+                sum += photon.power * wide.value * (kernel / cos);
             }
         }
         sum
@@ -340,6 +371,7 @@ mod tests {
                         point,
                         direction: Vec3::new(flat * cos, flat * sin, z),
                         power: Rgb { r: x, g: y, b: turn } * 1e-3,
+                        density: if i % 5 == 0 { f64::INFINITY } else { 100.0 * x },
                         thing: 0,
                         bounces: i % 4,
                         level: 0,
@@ -363,7 +395,7 @@ mod tests {
                 let vertex = Vertex::new(&world, &ray, &contact, met, &media, None, &draw);
                 let expected = one_by_one(RADIUS, &photons, &vertex, 2);
                 let sum = (0..TURNS).fold(Rgb::BLACK, |sum, turn| {
-                    sum + map.gather(&vertex, contact.thing, 2, turn)
+                    sum + map.gather(&vertex, contact.thing, 2, turn, SAMPLES)
                 });
                 let found = sum / f64::from(TURNS);
                 assert!(!expected.is_black());

@@ -7,6 +7,9 @@
 //! something else first is given up, so that each way of light belongs to one pair. A photon comes to rest
 //! wherever it meets a wide lobe, and goes on by narrow ones.
 //!
+//! In the peak of a glossy lobe a single photon would be seen as a bright spot, and chance finds the light better.
+//! There both ways count (`merging`).
+//!
 //! The photons of a pass are a function of the scene, the seed and the pass alone.
 
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -16,13 +19,14 @@ use rondure::Vec3;
 
 use super::{
     media::Media,
+    merging::Chance,
     photon_map::{HIGHEST_LEVEL, Photon, PhotonMap},
     vertex::{Draw, Vertex, is_dispersive},
 };
 use crate::{
     bsdf::{Kind, Wavelength},
     color::Rgb,
-    light::Emitted,
+    light::{Emitted, Lamp},
     sampler::{Key, Sample},
     world::{Role, World},
 };
@@ -108,6 +112,15 @@ impl Aim {
         (until > 0.0).then(|| Self { is_target, pairs, size: size / until })
     }
 
+    /// How the ball of a thing is seen from a lamp, and the probability that a photon goes this way.
+    fn find(&self, lamp: u32, thing: u32) -> Option<(&Pair, f64)> {
+        let sum = self.pairs.last()?.until;
+        // They were made in this order.
+        let place = self.pairs.binary_search_by_key(&(thing, lamp), |p| (p.thing, p.lamp)).ok()?;
+        let pair = &self.pairs[place];
+        Some((pair, pair.weight / sum))
+    }
+
     /// The pair that a number between 0 and 1 chooses, and its probability.
     fn choose(&self, u: f64) -> Option<(&Pair, f64)> {
         let sum = self.pairs.last()?.until;
@@ -121,6 +134,9 @@ impl Aim {
 #[derive(Debug)]
 pub(crate) struct Photons {
     aim: Aim,
+    /// How many were sent out, and how many samples of a pixel see them.
+    count: f64,
+    each: f64,
     map: PhotonMap,
 }
 
@@ -129,8 +145,9 @@ pub(crate) struct Photons {
 pub(crate) struct Volley {
     pub(crate) seed: u64,
     pub(crate) pass: u32,
-    /// The first sample of the pass, and how many samples the picture takes in it.
+    /// The first sample of the pass, and how many samples a pixel and the picture take in it.
     pub(crate) first: u32,
+    pub(crate) each: u32,
     pub(crate) samples: f64,
     /// How often light may be scattered.
     pub(crate) depth: u32,
@@ -160,7 +177,8 @@ impl Photons {
         let radius = FIRST_RADIUS * aim.size * f64::from(volley.first + 1).powf(-1.0 / 6.0);
         let photons = found?.into_iter().flatten().collect();
         let map = PhotonMap::new(radius, world.count(), photons);
-        Some(Self { aim: aim.clone(), map })
+        let (count, each) = (f64::from(count), f64::from(volley.each));
+        Some(Self { aim: aim.clone(), count, each, map })
     }
 
     /// Whether photons are aimed at a thing.
@@ -169,10 +187,52 @@ impl Photons {
         self.aim.is_target[thing as usize]
     }
 
+    /// Whether photons go from a lamp to a thing from the place `from` of the lamp on the way `way`.
+    pub(crate) fn go(
+        &self,
+        (i, lamp): (u32, &Lamp),
+        thing: u32,
+        (from, way): (Vec3, Vec3),
+    ) -> bool {
+        lamp.sends(from, way) && self.aim.find(i, thing).is_some()
+    }
+
+    /// How many do, by area across and solid angle. From the other end of the way the lamp is looked for with the
+    /// density `pdf` by solid angle.
+    pub(crate) fn density(
+        &self,
+        (i, lamp): (u32, &Lamp),
+        thing: u32,
+        (from, way): (Vec3, Vec3),
+        pdf: f64,
+    ) -> f64 {
+        let Some((pair, share)) = self.aim.find(i, thing) else { return 0.0 };
+        if !lamp.has_body() {
+            return f64::INFINITY;
+        }
+        let (direction, facing) = (way.normalized(), way.length_squared() / pdf);
+        let extent = lamp.extent_to((pair.center, pair.radius), (from, direction), facing);
+        if extent > 0.0 { self.count * share / extent } else { 0.0 }
+    }
+
+    /// What chance counts beside photons, where it goes on from a place with a density by solid angle, at a cosine.
+    /// `reflecting` is the part of the samples there that choose between reflecting lobes alone.
+    pub(crate) fn chance(&self, pdf: f64, cos: f64, reflecting: f64) -> Chance {
+        Chance::new(pdf, self.each / reflecting, cos, self.map.radius())
+    }
+
     /// The light of the photons that came to rest round a place on the same thing, as it is seen from there;
-    /// each scattered at most `left` times before. `turn` is any number, and the next for the next sample.
-    pub(crate) fn gather(&self, vertex: &Vertex<'_>, thing: u32, left: u32, turn: u32) -> Rgb {
-        self.map.gather(vertex, thing, left, turn)
+    /// each scattered at most `left` times before. `turn` is any number, and the next for the next sample; `reflecting`
+    /// as in [`chance`](Self::chance).
+    pub(crate) fn gather(
+        &self,
+        vertex: &Vertex<'_>,
+        thing: u32,
+        left: u32,
+        turn: u32,
+        reflecting: f64,
+    ) -> Rgb {
+        self.map.gather(vertex, thing, left, turn, self.each / reflecting)
     }
 }
 
@@ -195,6 +255,8 @@ fn shoot(world: &World, aim: &Aim, volley: &Volley, i: u32, count: u32) -> Vec<P
     };
     let mut power = power / (share * f64::from(count));
     let first_power = power.max_channel();
+    let density =
+        if lamp.has_body() { lamp.radiance().max_channel() / first_power } else { f64::INFINITY };
     let (mut media, mut wavelength) = (Media::default(), None);
     let mut bounces = 0;
     let mut hidden = 0;
@@ -229,6 +291,7 @@ fn shoot(world: &World, aim: &Aim, volley: &Volley, i: u32, count: u32) -> Vec<P
                 point: vertex.surface.point,
                 direction: -ray.direction,
                 power,
+                density,
                 thing: contact.thing,
                 bounces,
                 level: level.min(HIGHEST_LEVEL),
