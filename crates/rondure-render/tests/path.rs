@@ -190,7 +190,7 @@ fn photons_and_chance_share_what_a_glossy_floor_shows() {
     let look = |spp| {
         let eye = Vec3::new(0.0, -9.0, 4.0);
         let at = Vec3::new(0.0, -2.45, 0.0);
-        let mut scene = scene(12, spp, eye, at, Projection::Perspective { fov: 3.0 });
+        let mut scene = scene(12, spp, eye, at, Projection::Perspective { fov: 0.05 });
         scene.film.integrator = Integrator::Path;
         let gloss =
             Material::Glossy { color: Paint::Solid([0.05; 3]), specular: 1.0, roughness: 0.25 };
@@ -205,7 +205,6 @@ fn photons_and_chance_share_what_a_glossy_floor_shows() {
     let by_chance = look(1024).with(Shape::Sphere { center, radius }, shining).shoot();
     let expected = mean(&by_chance);
     let found = mean(&look(256).lit(lamp()).shoot());
-    println!("{found} {expected}");
     assert!((found - expected).abs() < 0.02 * expected, "{found} {expected}");
     // No disk of a single photon is seen: squares of 4 x 4 pixels have light like those by chance.
     let few = look(16).lit(lamp()).shoot();
@@ -215,7 +214,7 @@ fn photons_and_chance_share_what_a_glossy_floor_shows() {
     };
     for i in 0..9 {
         let (found, expected) = (square(&few, i), square(&by_chance, i));
-        println!("{i} {found} {expected}");
+        assert!((found - expected).abs() < 0.15 * expected, "{i}: {found} {expected}");
     }
 }
 
@@ -223,7 +222,7 @@ fn photons_and_chance_share_what_a_glossy_floor_shows() {
 #[test]
 fn what_shines_all_round_is_seen_through_glass() {
     let eye = Vec3::new(0.0, -6.0, 0.5);
-    let mut scene = scene(8, 64, eye, Vec3::ZERO, Projection::Perspective { fov: 6.0 });
+    let mut scene = scene(8, 64, eye, Vec3::ZERO, Projection::Perspective { fov: 0.2 });
     scene.film.depth = 60;
     scene.film.integrator = Integrator::Path;
     let hall = Light::Sphere { center: Vec3::ZERO, radius: 30.0, radiance: [1.0; 3] };
@@ -233,33 +232,36 @@ fn what_shines_all_round_is_seen_through_glass() {
     assert!((found - 1.0).abs() < 1e-2, "{found}");
 }
 
-/// Four sheets of glass under a wide lamp reflect 4 r / (1 + 3 r) of its light, where one reflects r. Each sample
-/// shows that: none shows the whole lamp because it was let go on in place of others.
+/// Two sheets of glass under a wide lamp reflect 2 r / (1 + r) of its light, where one reflects r. Each sample shows
+/// r, and what comes back from the second sheet or not: none shows the whole lamp because its path, in a branch that
+/// carries less, was let go on in place of others.
 #[test]
 fn paths_that_branch_leave_no_sparks() {
     let eye = Vec3::new(0.0, -1.0, 1.0);
     let mut scene = scene(16, 1, eye, Vec3::ZERO, Projection::Orthographic { height: 0.5 });
     scene.film.depth = 60;
     scene.film.integrator = Integrator::Path;
-    let center = Vec3::Z * 5.0;
-    scene = scene.lit(Light::Disk { center, normal: -Vec3::Z, radius: 1e3, radiance: [30.0; 3] });
-    for z in [0.0, -0.1, -0.2, -0.3] {
+    let (center, radiance, ior) = (Vec3::Z * 5.0, 30.0, 2.4_f64);
+    let radius = 1e3;
+    scene = scene.lit(Light::Disk { center, normal: -Vec3::Z, radius, radiance: [radiance; 3] });
+    for z in [0.0, -0.1] {
         let sheet = Shape::Plane { point: Vec3::Z * z, normal: Vec3::Z };
-        scene = scene.with(sheet, Material::Glass(Glass::clear([1.0; 3], 1.5)));
+        scene = scene.with(sheet, Material::Glass(Glass::clear([1.0; 3], ior)));
     }
     // Fresnel's reflectance at 45 degrees; of a sheet, all ways to and fro added up.
-    let (cos, inside) = (0.5_f64.sqrt(), (1.0 - 0.5 / 2.25_f64).sqrt());
-    let s = ((cos - 1.5 * inside) / (cos + 1.5 * inside)).powi(2);
-    let p = ((1.5 * cos - inside) / (1.5 * cos + inside)).powi(2);
+    let (cos, inside) = (0.5_f64.sqrt(), (1.0 - 0.5 / (ior * ior)).sqrt());
+    let s = ((cos - ior * inside) / (cos + ior * inside)).powi(2);
+    let p = ((ior * cos - inside) / (ior * cos + inside)).powi(2);
     let one = 0.5 * (s + p);
     let r = 2.0 * one / (1.0 + one);
-    let expected = 30.0 * 4.0 * r / (1.0 + 3.0 * r);
+    let expected = radiance * 2.0 * r / (1.0 + r);
     let picture = scene.shoot();
     let found = mean(&picture);
-    assert!((found - expected).abs() < 0.01 * expected, "{found} {expected}");
+    assert!((found - expected).abs() < 0.05 * expected, "{found} {expected}");
+    let (least, most) = (radiance * r, radiance * r * (2.0 - r));
     for i in 0..256 {
         let pixel = at(&picture, i % 16, i / 16);
-        assert!((pixel - expected).abs() < 0.3 * expected, "{i}: {pixel} {expected}");
+        assert!(pixel > 0.999 * least && pixel < 1.001 * most, "{i}: {pixel} {least} {most}");
     }
 }
 

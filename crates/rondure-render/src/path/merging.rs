@@ -4,9 +4,7 @@
 //!
 //! A path from the eye goes on from the place with the density p by solid angle, and the pixel takes n samples; of the
 //! photons of the pass, D by area across their way and solid angle, those within the radius r are seen. Of the two,
-//!
-//!     n p   and   pi r^2 cos D,
-//!
+//! `n p` and `pi r^2 cos D`,
 //! each counts by its square (Veach's power heuristic). Mirrors and glass leave D as it is at the lamp (etendue is kept),
 //! and what chooses between reflection and refraction is the same both ways; where that does not hold, by rough metal,
 //! weights are less good, but still add up to one: so the mean is right in any case.
