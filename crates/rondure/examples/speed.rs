@@ -5,12 +5,16 @@
 //! bounding box to a point in the box. The best of seven rounds counts, in CPU time.
 //! `--engine NAME` and `--instructions NAME` choose how.
 
+mod rays;
+
 use std::{env, error::Error, fs};
 
 use cpu_time::ThreadTime;
 use rondure::engine::{EngineOptions, Instructions, Method};
 
-use rondure::{Bounds, Hits, Profile, Ray, RayColumns, Surface, Vec3};
+use rondure::{Hits, Profile, Ray, RayColumns, Surface};
+
+use self::rays::{camera_rays, random_rays};
 
 const ROUNDS: usize = 7;
 
@@ -39,7 +43,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         let profile = Profile::from_path_data(&fs::read_to_string(&file)?)?;
         let surface = Surface::with_engine(&profile, &options);
-        for (name, rays) in [("camera", camera_rays()), ("random", random_rays(&surface.bounds()))]
+        for (name, rays) in
+            [("camera", camera_rays()), ("random", random_rays(&surface.bounds(), 1 << 18))]
         {
             let (closest, hits) = best(&rays, |ray| surface.closest(ray).is_some());
             let (any, _) = best(&rays, |ray| surface.any(ray));
@@ -79,38 +84,4 @@ fn batches(surface: &Surface, rays: &[Ray]) -> [f64; 2] {
         best[1] = best[1].max(rate(start));
     }
     best
-}
-
-fn camera_rays() -> Vec<Ray> {
-    let (width, height) = (1024, 768);
-    let eye = Vec3::new(1.30, 0.45, 0.95);
-    let forward = (Vec3::new(0.0, 0.0, 0.48) - eye).normalized();
-    let right = forward.cross(Vec3::Z).normalized();
-    let up = right.cross(forward);
-    let scale = 23.0_f64.to_radians().tan() / (0.5 * f64::from(height));
-    let ray = |i: i32| {
-        let x = f64::from(i % width) + 0.5 - 0.5 * f64::from(width);
-        let y = 0.5 * f64::from(height) - f64::from(i / width) - 0.5;
-        Ray::new(eye, forward + right * (x * scale) + up * (y * scale))
-    };
-    (0..width * height).map(ray).collect()
-}
-
-fn random_rays(bounds: &Bounds) -> Vec<Ray> {
-    let mut state = 1_u64;
-    let mut number = || {
-        state =
-            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 53) as f64
-    };
-    let mut vector = || Vec3::new(number(), number(), number());
-    let (center, extent) = (bounds.center(), bounds.extent());
-    let radius = 0.5 * extent.length();
-    let ray = |_| {
-        let origin = center + (vector() - Vec3::splat(0.5)).normalized() * radius;
-        let v = vector();
-        let target = bounds.min + Vec3::new(extent.x * v.x, extent.y * v.y, extent.z * v.z);
-        Ray::new(origin, target - origin)
-    };
-    (0..1 << 18).map(ray).collect()
 }

@@ -4,9 +4,13 @@
 //! Random rays, from the sphere round the bounding box to a point in the box; each thread asks its own part of them, one at a
 //! time and as batches. Wall-clock time, the best of the rounds, threads in turn. The last column is the ratio to one thread.
 
+mod rays;
+
 use std::{env, error::Error, fs, hint::black_box, thread, time::Instant};
 
-use rondure::{Hits, Profile, Ray, RayColumns, Surface, Vec3};
+use rondure::{Hits, Profile, RayColumns, Surface};
+
+use self::rays::random_rays;
 
 const ROUNDS: usize = 9;
 const RAYS: usize = 1 << 21;
@@ -19,7 +23,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("| --- | --- | --- | --- | --- | --- |");
     for file in env::args().skip(1) {
         let surface = Surface::new(&Profile::from_path_data(&fs::read_to_string(&file)?)?);
-        let rays = random_rays(&surface);
+        let rays = random_rays(&surface.bounds(), RAYS);
         let columns: Vec<_> = rays.chunks(BATCH).map(RayColumns::from_iter).collect();
         let mut best = vec![[f64::INFINITY; 2]; most];
         for _ in 0..ROUNDS {
@@ -59,23 +63,4 @@ fn seconds<T: Sync>(all: &[T], threads: usize, answer: impl Fn(&[T]) -> usize + 
         }
     });
     start.elapsed().as_secs_f64()
-}
-
-fn random_rays(surface: &Surface) -> Vec<Ray> {
-    let bounds = surface.bounds();
-    let (center, extent) = (bounds.center(), bounds.extent());
-    let mut state = 1_u64;
-    let mut number = || {
-        state =
-            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 53) as f64
-    };
-    let mut vector = || Vec3::new(number(), number(), number());
-    let ray = |_| {
-        let origin = center + (vector() - Vec3::splat(0.5)).normalized() * (0.5 * extent.length());
-        let v = vector();
-        let target = bounds.min + Vec3::new(extent.x * v.x, extent.y * v.y, extent.z * v.z);
-        Ray::new(origin, target - origin)
-    };
-    (0..RAYS).map(ray).collect()
 }
