@@ -89,10 +89,12 @@ impl Scene {
         let closest = self.assembly.closest(ray);
         assert_eq!(closest.is_some(), !expected.is_empty(), "{ray:?}");
         for (closest, first) in closest.iter().zip(&expected) {
-            // They come by different ways.
             assert_eq!(closest.instance, first.instance, "{ray:?}");
             assert_eq!(closest.hit.piece, first.hit.piece, "{ray:?}");
-            assert!((closest.hit.t - first.hit.t).abs() <= 1e-12 * first.hit.t.abs(), "{ray:?}");
+            // They come by different ways.
+            let at = self.alone[first.instance as usize].interaction(ray, &first.hit);
+            let off = (closest.hit.t - first.hit.t).abs() * ray.direction.length();
+            assert!(off <= at.error, "{ray:?}: {closest:?}, {first:?}, off by {off}, {at:?}");
         }
         assert_eq!(self.assembly.any(ray), closest.is_some(), "{ray:?}");
         let mut many = [None];

@@ -4,6 +4,7 @@
 use fearless_simd::{Simd, dispatch};
 
 use super::Wide;
+use super::bits::bits;
 use super::lot::Lot;
 use super::near::{Near, WIDTH, pass};
 use super::packet::{Packet, SIXTEEN};
@@ -126,7 +127,7 @@ impl Target<'_> {
         answers: &mut A,
     ) {
         let &Self { wide, frame, .. } = self;
-        let mut lot = Lot::new();
+        let mut lot = Lot::new(wide.blocks.len());
         let whole = whole(frame, count);
         for start in (0..whole).step_by(SIXTEEN) {
             if pass(simd, wide, rays, start) && pass(simd, wide, rays, start + WIDTH) {
@@ -141,6 +142,10 @@ impl Target<'_> {
                 match Packet::new(simd, &near) {
                     Some(packet) => {
                         answers.together(simd, wide, &packet, start, &mut lot.single);
+                    }
+                    None if !wide.takes_lots() => {
+                        let meets = near[0].meets | near[1].meets << WIDTH;
+                        lot.single.extend(bits(meets).map(|lane| start + lane));
                     }
                     None => {
                         lot.take(simd, &near[0], start);

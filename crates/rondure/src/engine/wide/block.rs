@@ -4,7 +4,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, SimdFloat, f32x8, f64x8, mask32x8};
 
-use super::arithmetic::{Best, Fused};
+use super::arithmetic::{Best, Fused, greater};
 use super::boxes::{Extent, PADDING};
 use super::course::Course;
 use super::meet::{Beam, Meeting, Shells, meet};
@@ -29,6 +29,9 @@ const UNKNOWN: f32 = 1e30;
 const EXACT: f64 = 128.0 * UNIT_ROUNDOFF;
 
 type Lanes = [f32; LANES];
+
+/// What [`meet`] finds of one ray and eight leaves.
+pub(super) type Met<S> = Meeting<f32x8<S>, mask32x8<S>>;
 
 /// Eight leaves.
 #[derive(Clone, Debug)]
@@ -153,7 +156,7 @@ impl Block {
         ray: &Course,
         origin: f32,
         end: f64,
-    ) -> Meeting<f32x8<S>> {
+    ) -> Met<S> {
         let (origin, fma) = (f64::from(origin), Best(simd));
         let own_b = fma.fused(ray.a, origin, ray.b);
         let slope = fma.fused(ray.a, origin, ray.b + ray.b);
@@ -232,7 +235,28 @@ impl Block {
         end.select(splat(simd, 1.0) - distance, value)
     }
 
-    /// The same in one of the lanes, for eight rays.
+    /// The same in one of the lanes.
+    #[inline(always)]
+    pub(super) fn guess_in(&self, fma: impl Fused, lane: usize, lambda: f32) -> f64 {
+        let lane = lane % LANES;
+        let [g0, g1, g2, g3] = &self.guess;
+        let at = |powers: &Lanes| f64::from(powers[lane]);
+        let (g0, g1, g2, g3) = (at(g0), at(g1), at(g2), at(g3));
+        let lambda = f64::from(lambda);
+        let value = fma.fused(fma.fused(fma.fused(g3, lambda, g2), lambda, g1), lambda, g0);
+        let [start, end] = self.poles;
+        if start | end == 0 {
+            return value;
+        }
+        let distance = greater(value, 0.0).sqrt();
+        match [start >> lane & 1, end >> lane & 1] {
+            [1, _] => distance,
+            [_, 1] => 1.0 - distance,
+            _ => value,
+        }
+    }
+
+    /// The same for eight rays.
     #[inline(always)]
     pub(super) fn guesses<S: Simd>(&self, simd: S, lane: usize, lambda: f64x8<S>) -> f64x8<S> {
         let lane = lane % LANES;

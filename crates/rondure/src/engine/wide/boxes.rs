@@ -73,9 +73,6 @@ pub(super) struct Slabs<T = f32> {
 }
 
 impl Slabs {
-    pub(super) const NONE: Self =
-        Self { a: 1.0, b: 0.0, c: 0.0, oz: 0.0, per_a: 1.0, per_dz: 1.0, start: 0.0 };
-
     #[inline(always)]
     pub(super) fn new(ray: &Course) -> Self {
         let (own_a, own_dz) = (ray.a as f32, ray.direction.z as f32);

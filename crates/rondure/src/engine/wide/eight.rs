@@ -1,6 +1,6 @@
 //! The hits at eight spots at once, each on a leaf of its own: what [`leaf`](super::leaf) does for one, for batches.
 //!
-//! Spots come as rows, which are turned into columns; then each number of eight spots is a vector.
+//! Each number of eight rays and spots is a vector; curves come as rows, which are turned into columns.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f64x8};
@@ -14,53 +14,6 @@ pub(super) const WIDTH: usize = 8;
 /// As many steps are taken; what needs more is left to be answered one by one.
 const MOST_STEPS: u32 = 4;
 
-/// Eight spots, each on a leaf that is no conic, with a row for each; all are in the range without a shift.
-#[repr(C, align(64))]
-pub(super) struct Eight {
-    /// The curves, by powers.
-    pub(super) curves: [[f64; WIDTH]; WIDTH],
-    /// Origins, directions, squared lengths, and how far the origins are.
-    pub(super) rays: [[f64; WIDTH]; WIDTH],
-    /// The first guesses of s and tau, the blur, the ends of the range of tau and of that of s, and the square of the longest
-    /// last step in s.
-    pub(super) spots: [[f64; WIDTH]; WIDTH],
-    /// s and tau of the hits.
-    pub(super) found: [[f64; WIDTH]; 2],
-}
-
-impl Eight {
-    pub(super) const EMPTY: Self = Self {
-        curves: [[0.0; WIDTH]; WIDTH],
-        rays: [[0.0; WIDTH]; WIDTH],
-        spots: [[0.0; WIDTH]; WIDTH],
-        found: [[0.0; WIDTH]; 2],
-    };
-
-    /// Finds hits as [`Leaf::hit`](super::leaf::Leaf::hit) does; says which were found, as a set of bits.
-    #[inline(always)]
-    pub(super) fn hits<S: Simd>(&mut self, simd: S) -> u32 {
-        let [ox, oy, oz, dx, dy, dz, length2, far] = columns(simd, &self.rays);
-        let [s, tau, blur, start, end, low, high, last2] = columns(simd, &self.spots);
-        let mut aim = Aim {
-            curve: columns(simd, &self.curves),
-            origin: [ox, oy, oz],
-            direction: [dx, dy, dz],
-            length2,
-            far,
-            s,
-            tau,
-            blur,
-            range: [start, end],
-            valid: [low, high],
-            last2,
-        };
-        let found = aim.hit::<false>(simd, 0xff);
-        aim.s.store_array(&mut self.found[0]);
-        aim.tau.store_array(&mut self.found[1]);
-        found
-    }
-}
-
 /// Eight rays, in columns, each with a spot that it is to hit.
 pub(super) struct Aim<S: Simd> {
     /// The curves, by powers.
@@ -69,11 +22,10 @@ pub(super) struct Aim<S: Simd> {
     pub(super) direction: [f64x8<S>; 3],
     pub(super) length2: f64x8<S>,
     pub(super) far: f64x8<S>,
-    /// The parameters on the curves, first guessed, then found.
+    /// About which parameters on the curves, and on the rays.
     pub(super) s: f64x8<S>,
-    /// Those on the rays.
     pub(super) tau: f64x8<S>,
-    /// How far off the first of them may be.
+    /// How far off the latter may be.
     pub(super) blur: f64x8<S>,
     /// Between which parameters on the rays hits count,
     pub(super) range: [f64x8<S>; 2],
@@ -83,11 +35,18 @@ pub(super) struct Aim<S: Simd> {
     pub(super) last2: f64x8<S>,
 }
 
+/// Where Newton's steps led.
+pub(super) struct Landing<S: Simd> {
+    /// In which lanes that is a hit for certain, as a set of bits.
+    pub(super) certain: u32,
+    pub(super) s: f64x8<S>,
+    pub(super) tau: f64x8<S>,
+}
+
 impl<S: Simd> Aim<S> {
-    /// Takes Newton's steps, until they are done in all the lanes that are wanted or there have been [`MOST_STEPS`]; says
-    /// where they lead to a hit for certain.
+    /// Takes Newton's steps, until they are done in all the lanes that are wanted or there have been [`MOST_STEPS`].
     #[inline(always)]
-    pub(super) fn hit<const CONIC: bool>(&mut self, simd: S, wanted: u32) -> u32 {
+    pub(super) fn hit<const CONIC: bool>(&self, simd: S, wanted: u32) -> Landing<S> {
         let ([ox, oy, oz], [dx, dy, dz]) = (self.origin, self.direction);
         let (half, one, zero) = (splat(simd, 0.5), splat(simd, 1.0), splat(simd, 0.0));
         let (spot, mut s, mut tau) = (self.tau, self.s, self.tau);
@@ -129,8 +88,7 @@ impl<S: Simd> Aim<S> {
             & s.simd_lt(one - off_s)
             & tau.simd_gt(self.range[0] + off)
             & tau.simd_lt(self.range[1] - off);
-        (self.s, self.tau) = (s, tau);
-        is.to_bitmask() as u32 & last & wanted
+        Landing { certain: is.to_bitmask() as u32 & last & wanted, s, tau }
     }
 
     /// r, r', z and z', as [`Curve`](super::leaf::Curve) has them.
@@ -162,20 +120,14 @@ fn splat<S: Simd>(simd: S, value: f64) -> f64x8<S> {
     f64x8::splat(simd, value)
 }
 
-/// Rows as columns: three perfect shuffles.
+/// Rows as columns.
 #[inline(always)]
-fn columns<S: Simd>(simd: S, rows: &[[f64; WIDTH]; WIDTH]) -> [f64x8<S>; WIDTH] {
-    let zero = f64x8::splat(simd, 0.0);
-    let mut c = [zero; WIDTH];
-    for (column, row) in c.iter_mut().zip(rows) {
-        *column = f64x8::from_slice(simd, row);
+pub(super) fn columns<S: Simd>(simd: S, rows: [&[f64; WIDTH]; WIDTH]) -> [f64x8<S>; WIDTH] {
+    let [a, b, c, d, e, f, g, h] = rows;
+    let mut columns = [splat(simd, 0.0); WIDTH];
+    for (i, column) in columns.iter_mut().enumerate() {
+        let numbers = [a[i], b[i], c[i], d[i], e[i], f[i], g[i], h[i]];
+        *column = f64x8::from_slice(simd, &numbers);
     }
-    for _ in 0..3 {
-        let (a, b) = c[0].interleave(c[4]);
-        let (d, e) = c[1].interleave(c[5]);
-        let (f, g) = c[2].interleave(c[6]);
-        let (h, i) = c[3].interleave(c[7]);
-        c = [a, b, d, e, f, g, h, i];
-    }
-    c
+    columns
 }

@@ -20,10 +20,9 @@ use crate::piece::{Kind, Piece};
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Curve {
-    /// For a conic the first three are those of r times its denominator 1 + q s - q s^2, and the last is q.
-    r: [f64; 4],
-    /// Likewise.
-    z: [f64; 4],
+    /// r by powers, then z. For a conic the first three of either are those of it times its denominator 1 + q s - q s^2, and the
+    /// last is q.
+    powers: [f64; 8],
 }
 
 /// A part of a piece.
@@ -105,7 +104,8 @@ impl Curve {
                 }
             }
         };
-        Self { r: powers(&piece.r), z: powers(&piece.z) }
+        let ([r0, r1, r2, r3], [z0, z1, z2, z3]) = (powers(&piece.r), powers(&piece.z));
+        Self { powers: [r0, r1, r2, r3, z0, z1, z2, z3] }
     }
 
     /// How much a step in s by 1 could leave of f and of g, twice, or 1 if that is less, or if it is not known.
@@ -113,7 +113,7 @@ impl Curve {
         if matches!(kind, Kind::Conic(_)) {
             return BEND[1];
         }
-        let ([r0, r1, r2, r3], [_, _, z2, z3]) = (self.r, self.z);
+        let [r0, r1, r2, r3, _, _, z2, z3] = self.powers;
         let ends = |a: f64, b: f64| a.abs().max((a + b).abs());
         // The controls of r and of r'.
         let r = [r0, r0 + r1 / 3.0, r0 + (2.0 * r1 + r2) / 3.0, r0 + r1 + r2 + r3];
@@ -126,25 +126,25 @@ impl Curve {
 
     /// r by powers, then z.
     #[inline(always)]
-    pub(super) fn powers(&self) -> [f64; WIDTH] {
-        let ([r0, r1, r2, r3], [z0, z1, z2, z3]) = (self.r, self.z);
-        [r0, r1, r2, r3, z0, z1, z2, z3]
+    pub(super) fn powers(&self) -> &[f64; WIDTH] {
+        &self.powers
     }
 
     /// r, r', z and z'.
     #[inline(always)]
     fn at<const CONIC: bool>(&self, fma: impl Fused, s: f64) -> [f64; 4] {
-        let (r, z) = (&self.r, &self.z);
+        let [r0, r1, r2, r3, z0, z1, z2, z3] = self.powers;
+        let (r, z) = ([r0, r1, r2, r3], [z0, z1, z2, z3]);
         if CONIC {
             let q = r[3];
             let per = 1.0 / fma.fused(q * s, 1.0 - s, 1.0);
             let slope = fma.fused(-2.0 * s, q, q);
-            let [r, dr, ..] = quadratic(fma, r, s);
-            let [z, dz, ..] = quadratic(fma, z, s);
+            let [r, dr, ..] = quadratic(fma, &r, s);
+            let [z, dz, ..] = quadratic(fma, &z, s);
             let (r, z) = (r * per, z * per);
             return [r, fma.fused(-r, slope, dr) * per, z, fma.fused(-z, slope, dz) * per];
         }
-        let ([r, dr], [z, dz]) = (cubic(fma, r, s), cubic(fma, z, s));
+        let ([r, dr], [z, dz]) = (cubic(fma, &r, s), cubic(fma, &z, s));
         [r, dr, z, dz]
     }
 }

@@ -2,33 +2,41 @@
 //! for a lot of rays, so that the processor never waits for the one ray at hand.
 //!
 //! ```text
-//! boxes, each ray -> blocks, each ray -> Newton's steps, 8 spots at a time
+//! boxes, 16 rays at a time -> blocks, each ray -> Newton's steps, 8 spots at a time
 //! ```
 //!
 //! Rays whose nearest block has no spot go another round. The few that need more than the nearest spot of
-//! a block are left to be answered one by one.
+//! a block are left to be answered one by one. No stage has a branch that depends on what a single ray finds: half of them would
+//! be foreseen wrongly, and what comes after them thrown away.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f64x8, mask64x8};
+use fearless_simd::{Simd, f32x16, f64x8, mask64x8, u32x16};
 
 use super::Wide;
-use super::arithmetic::Best;
+use super::arithmetic::lesser;
 use super::bits::bits;
 use super::block::LANES;
+use super::boxes::{Rods, Slabs, WIDTH as BOXES, enter};
 use super::course::Course;
-use super::eight::{Eight, WIDTH};
-use super::leaf::{Finding, Spot};
-use super::near::Near;
+use super::eight::{Aim, columns};
+use super::leaf::Spot;
+use super::near::{Near, WIDTH};
+use super::packet::{ROUNDED, SIXTEEN};
 use super::search::Spots;
-use super::walk::Way;
 use crate::Vec3;
 use crate::batch::Hits;
 
 /// How many rays are under way: few enough for their data to stay in the first cache.
-const LOT: usize = 32;
+const LOT: usize = 64;
+
+/// The most blocks of a surface whose rays go together; all are looked at for each ray.
+const MOST_BLOCKS: usize = 64;
 
 /// A column of numbers, with room for a whole vector behind the last.
 type Column = [f64; LOT + WIDTH];
+
+/// A number for each ray.
+type Row<T> = [T; LOT];
 
 /// The rays under way, by columns.
 pub(super) struct Lot {
@@ -41,46 +49,103 @@ pub(super) struct Lot {
     length2: Column,
     range: [Column; 2],
     far: Column,
-    ways: Vec<Way>,
-    /// Those that are still looking for a block, as numbered in the lot.
-    seeking: Vec<u32>,
+    /// For each block where the rays enter its box; infinity if they don't, or have been there.
+    enters: Vec<Row<f32>>,
+    /// For each ray the nearest block, where the ray enters that, and where the one after it.
+    block: Row<u32>,
+    enter: Row<f32>,
+    next: Row<f32>,
+    /// Those that are still looking for a spot.
+    seeking: Seeking,
     /// Whether something of them is not certain.
-    unsure: [bool; LOT + WIDTH],
-    entries: Vec<Entry>,
-    tasks: Vec<Task>,
+    unsure: Row<bool>,
+    /// The places to look for hits, one for each ray that has any.
+    spots: Places,
     /// Those that have to be answered one by one.
     pub(super) single: Vec<usize>,
 }
 
-/// Where a ray enters its nearest block, and the one after that.
-#[derive(Clone, Copy)]
-struct Entry {
-    /// The ray, as numbered in the lot.
-    ray: u32,
-    block: u32,
-    enter: f32,
-    next: f32,
+/// Some of the rays, as numbered in the lot.
+struct Seeking {
+    len: usize,
+    rays: Row<u32>,
 }
 
-/// A place to look for a hit.
-#[derive(Clone, Copy)]
-struct Task {
-    /// The ray, as numbered in the lot.
-    ray: u32,
-    leaf: u32,
-    spot: Spot,
-    /// No other spot of the ray comes before that.
-    next: f64,
+impl Seeking {
+    /// Puts a ray behind the others if a condition holds, without a branch.
+    #[inline(always)]
+    fn push_if(&mut self, ray: u32, condition: bool) {
+        self.rays[self.len % LOT] = ray;
+        self.len += usize::from(condition);
+    }
+}
+
+/// For each ray where to look for a hit.
+struct Places {
+    /// Which rays have such a place, as a set of bits.
+    there: u64,
+    leaf: [u32; LOT + 1],
+    s: Column,
+    tau: Column,
+    blur: Column,
+    /// Another spot of the ray comes after that.
+    end: Column,
+}
+
+impl Places {
+    const NONE: Self = Self {
+        there: 0,
+        leaf: [0; LOT + 1],
+        s: [0.0; LOT + WIDTH],
+        tau: [f64::INFINITY; LOT + WIDTH],
+        blur: [0.0; LOT + WIDTH],
+        end: [f64::INFINITY; LOT + WIDTH],
+    };
+
+    /// No hit at the spot of a ray lies beyond that.
+    #[inline(always)]
+    fn latest(&self, ray: usize) -> f64 {
+        self.tau[ray] + 2.0 * self.blur[ray]
+    }
+
+    /// Keeps a spot, if it is `there`, for a ray that has none or a later one; `other` is where the ray comes upon another in the
+    /// same block, at the earliest. Says where the hit is at the latest.
+    #[inline(always)]
+    fn consider(&mut self, ray: usize, leaf: usize, spot: Spot, there: bool, other: f64) -> f64 {
+        let nearer = there & (spot.tau < self.tau[ray]);
+        let [before, now] = [self.tau[ray] - self.blur[ray], spot.tau - spot.blur];
+        let later = if nearer { before } else { now };
+        self.end_before(ray, if there { lesser(later, other) } else { f64::INFINITY });
+        self.there |= u64::from(there) << ray;
+        // Behind the last ray nobody looks.
+        let place = if nearer { ray } else { LOT };
+        self.leaf[place] = leaf as u32;
+        self.s[place] = spot.s;
+        self.tau[place] = spot.tau;
+        self.blur[place] = spot.blur;
+        self.latest(ray)
+    }
+
+    #[inline(always)]
+    fn end_before(&mut self, ray: usize, end: f64) {
+        self.end[ray] = lesser(end, self.end[ray]);
+    }
 }
 
 impl Wide {
+    /// Whether rays that go each their own way are answered as lots.
+    #[inline(always)]
+    pub(super) fn takes_lots(&self) -> bool {
+        self.blocks.len() <= MOST_BLOCKS
+    }
+
     /// The closest hits of the rays in a lot, which then is empty.
     #[inline(always)]
     pub(super) fn closest_apart<S: Simd>(&self, simd: S, lot: &mut Lot, hits: &mut Hits) {
         lot.set_out(simd, self);
-        while !lot.seeking.is_empty() {
-            self.enter_blocks(simd, lot);
+        while lot.seeking.len != 0 {
             self.find_spots(simd, lot);
+            lot.look_again(simd);
         }
         self.find_hits(simd, lot, hits);
         lot.len = 0;
@@ -90,149 +155,156 @@ impl Wide {
     #[inline(always)]
     pub(super) fn any_apart<S: Simd>(&self, simd: S, lot: &mut Lot, hits: &mut [bool]) {
         lot.set_out(simd, self);
-        while !lot.seeking.is_empty() {
-            self.enter_blocks(simd, lot);
+        while lot.seeking.len != 0 {
             self.find_any(simd, lot, hits);
+            lot.look_again(simd);
+        }
+        for i in 0..lot.len.min(LOT) {
+            if lot.unsure[i] && !hits[lot.ray[i]] {
+                lot.single.push(lot.ray[i]);
+            }
         }
         lot.len = 0;
-    }
-
-    /// Finds the next block of each ray.
-    #[inline(always)]
-    fn enter_blocks<S: Simd>(&self, simd: S, lot: &mut Lot) {
-        lot.entries.clear();
-        for &ray in &lot.seeking {
-            let way = &mut lot.ways[ray as usize];
-            let end = lot.range[1][ray as usize];
-            let Some((block, enter)) = way.next::<_, true>(simd, self, end) else {
-                if lot.unsure[ray as usize] {
-                    lot.single.push(lot.ray[ray as usize]);
-                }
-                continue;
-            };
-            let next = way.least(simd);
-            lot.entries.push(Entry { ray, block: block as u32, enter, next });
-        }
-        lot.seeking.clear();
     }
 
     /// Finds rays that have a hit for certain in their block; others go on seeking.
     #[inline(always)]
     fn find_any<S: Simd>(&self, simd: S, lot: &mut Lot, hits: &mut [bool]) {
-        for &Entry { ray, block, enter, next } in &lot.entries {
-            let number = ray as usize;
+        let seeking = core::mem::take(&mut lot.seeking.len);
+        for k in 0..seeking.min(LOT) {
+            let ray = lot.seeking.rays[k];
+            let number = ray as usize % LOT;
             let course = lot.course(number);
             let end = course.range[1];
-            let block = &self.blocks[block as usize];
-            let meeting = block.test::<S, true>(simd, &course, enter, end);
-            let index = lot.ray[number];
-            if meeting.sure != 0 {
-                if let Some(hit) = hits.get_mut(index) {
-                    *hit = true;
-                }
-                continue;
-            }
+            let block = lot.leave(number);
+            let meeting = self.blocks[block].test::<S, true>(simd, &course, lot.enter[number], end);
+            let sure = meeting.sure != 0;
+            hits[lot.ray[number]] |= sure;
             lot.unsure[number] |= !meeting.misses();
-            if f64::from(next) <= end {
-                lot.seeking.push(ray);
-            } else if lot.unsure[number] {
-                lot.single.push(index);
-            }
+            lot.seeking.push_if(ray, !sure & lot.goes_on(number));
         }
     }
 
-    /// Finds the nearest spot in the block of each ray; those that have none go on seeking.
+    /// Finds the nearest spot in the block of each ray; those that have none go on seeking, and those whose next block
+    /// begins before it.
     #[inline(always)]
     fn find_spots<S: Simd>(&self, simd: S, lot: &mut Lot) {
-        for k in 0..lot.entries.len() {
-            let Entry { ray, block, enter, next } = lot.entries[k];
-            let course = lot.course(ray as usize);
-            let end = course.range[1];
-            let block = block as usize;
-            let meeting = self.blocks[block].test::<S, false>(simd, &course, enter, end);
+        let seeking = core::mem::take(&mut lot.seeking.len);
+        for k in 0..seeking.min(LOT) {
+            let ray = lot.seeking.rays[k];
+            let number = ray as usize % LOT;
+            let course = lot.course(number);
+            let block = lot.leave(number);
+            let (enter, next) = (lot.enter[number], f64::from(lot.next[number]));
+            let end = lesser(course.range[1], lot.spots.latest(number));
+            let block_of = &self.blocks[block];
+            let meeting = block_of.test::<S, false>(simd, &course, enter, end);
+            // Few are.
             if meeting.tangent != 0 {
-                lot.single.push(lot.ray[ray as usize]);
+                lot.spots.there &= !(1 << number);
+                lot.single.push(lot.ray[number]);
                 continue;
             }
-            if !meeting.may_hit() {
-                if f64::from(next) <= end {
-                    lot.seeking.push(ray);
-                }
-                continue;
-            }
-            let mut spots = Spots::new(simd, &self.blocks[block], &meeting, enter);
-            let (lane, spot) = spots.first(simd);
-            let next = spots.least(simd).min(f64::from(next));
-            lot.tasks.push(Task { ray, leaf: (block * LANES + lane) as u32, spot, next });
+            let (lane, spot, other) = Spots::nearest(simd, block_of, &meeting, f64::from(enter));
+            let (leaf, there) = (block * LANES + lane, meeting.may_hit());
+            let latest = lot.spots.consider(number, leaf, spot, there, other);
+            let goes_on = (next < f64::INFINITY) & (next <= latest);
+            lot.spots.end_before(number, if goes_on { f64::INFINITY } else { next });
+            lot.seeking.push_if(ray, goes_on);
         }
     }
 
     /// Finds the hits at all spots.
     #[inline(always)]
     fn find_hits<S: Simd>(&self, simd: S, lot: &mut Lot, hits: &mut Hits) {
-        for tasks in lot.tasks.chunks(WIDTH) {
-            let mut eight = Eight::EMPTY;
-            let mut all = tasks.len() == WIDTH;
-            for (i, task) in tasks.iter().enumerate() {
-                let leaf = &self.leaves[task.leaf as usize];
-                all &= !leaf.is_conic();
-                let ray = task.ray as usize;
-                eight.curves[i] = self.curves[leaf.piece() as usize].powers();
-                eight.rays[i] = [
-                    lot.origin[0][ray],
-                    lot.origin[1][ray],
-                    lot.origin[2][ray],
-                    lot.direction[0][ray],
-                    lot.direction[1][ray],
-                    lot.direction[2][ray],
-                    lot.length2[ray],
-                    lot.far[ray],
-                ];
-                let [low, high] = leaf.valid();
-                eight.spots[i] = [
-                    task.spot.s,
-                    task.spot.tau,
-                    task.spot.blur,
-                    lot.range[0][ray],
-                    lot.range[1][ray].min(task.next),
-                    low,
-                    high,
-                    leaf.last2(),
-                ];
+        for start in (0..lot.len.min(LOT)).step_by(WIDTH) {
+            let there = (lot.spots.there >> start) as u32 & 0xff;
+            if there == 0 {
+                continue;
             }
-            // Conics, and the last few, one by one.
-            let found = if all { eight.hits(simd) } else { 0 };
-            for (i, task) in tasks.iter().enumerate() {
-                let ray = task.ray as usize;
-                let leaf = &self.leaves[task.leaf as usize];
-                let index = lot.ray[ray];
-                if found & 1 << i != 0 {
-                    hits.t[index] = eight.found[1][i];
-                    hits.piece[index] = leaf.piece();
-                    hits.s[index] = eight.found[0][i];
+            let mut targets = Targets::new(self, &lot.spots.leaf[start..start + WIDTH]);
+            let f64s = |column: &Column| f64x8::from_slice(simd, &column[start..start + WIDTH]);
+            let ([ox, oy, oz], [dx, dy, dz]) = (&lot.origin, &lot.direction);
+            let aim = Aim {
+                curve: columns(simd, targets.curves),
+                origin: [f64s(ox), f64s(oy), f64s(oz)],
+                direction: [f64s(dx), f64s(dy), f64s(dz)],
+                length2: f64s(&lot.length2),
+                far: f64s(&lot.far),
+                s: f64s(&lot.spots.s),
+                tau: f64s(&lot.spots.tau),
+                blur: f64s(&lot.spots.blur),
+                range: [f64s(&lot.range[0]), f64s(&lot.range[1]).min(f64s(&lot.spots.end))],
+                valid: [
+                    f64x8::from_slice(simd, &targets.valid[0]),
+                    f64x8::from_slice(simd, &targets.valid[1]),
+                ],
+                last2: f64x8::from_slice(simd, &targets.last2),
+            };
+            targets.conic &= there;
+            let mut found = 0;
+            for (conic, lanes) in [(false, there & !targets.conic), (true, targets.conic)] {
+                if lanes == 0 {
                     continue;
                 }
-                if !all {
-                    let course = lot.course(ray);
-                    let finding = leaf.hit(Best(simd), &self.curves, &course, task.spot);
-                    if let Finding::Hit { tau, s, .. } = finding
-                        && tau < task.next
-                    {
-                        hits.t[index] = tau;
-                        hits.piece[index] = leaf.piece();
-                        hits.s[index] = s;
-                        continue;
-                    }
+                let landing = if conic {
+                    aim.hit::<true>(simd, lanes)
+                } else {
+                    aim.hit::<false>(simd, lanes)
+                };
+                for lane in bits(landing.certain) {
+                    let index = lot.ray[start + lane];
+                    hits.t[index] = landing.tau[lane % WIDTH];
+                    hits.piece[index] = targets.pieces[lane % WIDTH];
+                    hits.s[index] = landing.s[lane % WIDTH];
                 }
-                lot.single.push(lot.ray[ray]);
+                found |= landing.certain;
+            }
+            for lane in bits(there & !found) {
+                lot.single.push(lot.ray[start + lane]);
             }
         }
+        lot.spots = Places::NONE;
+    }
+}
+
+/// What [`Aim`] has to know of eight leaves.
+struct Targets<'a> {
+    pieces: [u32; WIDTH],
+    curves: [&'a [f64; WIDTH]; WIDTH],
+    valid: [[f64; WIDTH]; 2],
+    last2: [f64; WIDTH],
+    /// Which are conics.
+    conic: u32,
+}
+
+impl<'a> Targets<'a> {
+    #[inline(always)]
+    fn new(wide: &'a Wide, leaves: &[u32]) -> Self {
+        let mut targets = Self {
+            pieces: [0; WIDTH],
+            curves: [&[0.0; WIDTH]; WIDTH],
+            valid: [[0.0; WIDTH]; 2],
+            last2: [0.0; WIDTH],
+            conic: 0,
+        };
+        for (i, &leaf) in leaves.iter().enumerate().take(WIDTH) {
+            let leaf = &wide.leaves[leaf as usize];
+            targets.pieces[i] = leaf.piece();
+            targets.curves[i] = wide.curves[leaf.piece() as usize].powers();
+            [targets.valid[0][i], targets.valid[1][i]] = leaf.valid();
+            targets.last2[i] = leaf.last2();
+            targets.conic |= u32::from(leaf.is_conic()) << i;
+        }
+        targets
     }
 }
 
 impl Lot {
-    pub(super) fn new() -> Self {
+    /// An empty one, for a surface of so many blocks.
+    pub(super) fn new(blocks: usize) -> Self {
         let column = [0.0; LOT + WIDTH];
+        let rows = if blocks <= MOST_BLOCKS { blocks } else { 0 };
         Self {
             len: 0,
             ray: [0; LOT + WIDTH],
@@ -242,11 +314,13 @@ impl Lot {
             length2: column,
             range: [column; 2],
             far: column,
-            ways: (0..LOT).map(|_| Way::NONE).collect(),
-            seeking: Vec::with_capacity(LOT),
-            unsure: [false; LOT + WIDTH],
-            entries: Vec::with_capacity(LOT),
-            tasks: Vec::with_capacity(LOT),
+            enters: vec![[f32::INFINITY; LOT]; rows],
+            block: [0; LOT],
+            enter: [0.0; LOT],
+            next: [0.0; LOT],
+            seeking: Seeking { len: 0, rays: [0; LOT] },
+            unsure: [false; LOT],
+            spots: Places::NONE,
             single: Vec::with_capacity(LOT),
         }
     }
@@ -254,23 +328,82 @@ impl Lot {
     /// Whether there is no room for sixteen more.
     #[inline(always)]
     pub(super) fn is_full(&self) -> bool {
-        self.len + 2 * WIDTH > LOT
+        self.len + SIXTEEN > LOT
     }
 
-    /// Lets those that were taken in seek.
+    /// Lets those that were taken in seek: finds where they enter all boxes round blocks, and the nearest one.
     #[inline(always)]
     fn set_out<S: Simd>(&mut self, simd: S, wide: &Wide) {
-        self.seeking.clear();
-        self.tasks.clear();
-        for i in 0..self.len.min(LOT) {
-            let course = self.course(i);
-            let way = &mut self.ways[i];
-            way.restart(simd, wide, &course);
-            self.unsure[i] = false;
-            if !way.is_over(simd, course.range[1]) {
-                self.seeking.push(i as u32);
+        let len = self.len.min(LOT);
+        for start in (0..len).step_by(SIXTEEN) {
+            let f32s = |column: &Column| {
+                let first = f64x8::from_slice(simd, &column[start..start + WIDTH]);
+                let second = f64x8::from_slice(simd, &column[start + WIDTH..start + SIXTEEN]);
+                first.narrow(second)
+            };
+            let slabs = Slabs::of_many(
+                simd,
+                &Rods {
+                    a: f32s(&self.abc[0]),
+                    b: f32s(&self.abc[1]),
+                    c: f32s(&self.abc[2]),
+                    oz: f32s(&self.origin[2]),
+                    dz: f32s(&self.direction[2]),
+                    length2: f32s(&self.length2),
+                    start: f32s(&self.range[0]),
+                },
+            );
+            let end = f32s(&self.range[1]);
+            let end = end + end.abs() * f32x16::splat(simd, ROUNDED);
+            let infinity = f32x16::splat(simd, f32::INFINITY);
+            let mut nearest = Nearest::none(simd);
+            for (number, row) in self.enters.iter_mut().enumerate() {
+                let walls = wide.levels[0][number / BOXES].walls(simd, number % BOXES);
+                let (enter, meets) = enter::<S, f32x16<S>>(simd, &walls, &slabs, end);
+                let enter = meets.select(enter, infinity);
+                enter.store_slice(&mut row[start..start + SIXTEEN]);
+                nearest.consider(simd, enter, number as u32);
             }
+            nearest.store(self, start);
         }
+        self.unsure = [false; LOT];
+        for i in 0..len {
+            self.seeking.push_if(i as u32, self.enter[i] < f32::INFINITY);
+        }
+    }
+
+    /// Finds the next block of those that go on seeking.
+    #[inline(always)]
+    fn look_again<S: Simd>(&mut self, simd: S) {
+        let mut seeking = 0_u64;
+        for &ray in &self.seeking.rays[..self.seeking.len.min(LOT)] {
+            seeking |= 1 << (ray as usize % LOT);
+        }
+        for start in (0..LOT).step_by(SIXTEEN) {
+            if seeking >> start & 0xffff == 0 {
+                continue;
+            }
+            let mut nearest = Nearest::none(simd);
+            for (number, row) in self.enters.iter().enumerate() {
+                let enter = f32x16::from_slice(simd, &row[start..start + SIXTEEN]);
+                nearest.consider(simd, enter, number as u32);
+            }
+            nearest.store(self, start);
+        }
+    }
+
+    /// The block that a ray is at, which it then has seen.
+    #[inline(always)]
+    fn leave(&mut self, ray: usize) -> usize {
+        let block = self.block[ray] as usize;
+        self.enters[block][ray] = f32::INFINITY;
+        block
+    }
+
+    /// Whether there is another block for a ray to look at.
+    #[inline(always)]
+    fn goes_on(&self, ray: usize) -> bool {
+        self.next[ray] < f32::INFINITY
     }
 
     #[inline(always)]
@@ -320,6 +453,37 @@ impl Lot {
             self.ray[self.len] = start + lane;
             self.len += 1;
         }
+    }
+}
+
+/// The two boxes that sixteen rays enter first.
+struct Nearest<S: Simd> {
+    enter: f32x16<S>,
+    next: f32x16<S>,
+    number: u32x16<S>,
+}
+
+impl<S: Simd> Nearest<S> {
+    #[inline(always)]
+    fn none(simd: S) -> Self {
+        let infinity = f32x16::splat(simd, f32::INFINITY);
+        Self { enter: infinity, next: infinity, number: u32x16::splat(simd, 0) }
+    }
+
+    #[inline(always)]
+    fn consider(&mut self, simd: S, enter: f32x16<S>, number: u32) {
+        let nearer = enter.simd_lt(self.enter);
+        self.next = self.next.min(self.enter.max(enter));
+        self.enter = self.enter.min(enter);
+        self.number = nearer.select(u32x16::splat(simd, number), self.number);
+    }
+
+    /// Writes it down for sixteen rays.
+    #[inline(always)]
+    fn store(&self, lot: &mut Lot, start: usize) {
+        self.enter.store_slice(&mut lot.enter[start..start + SIXTEEN]);
+        self.next.store_slice(&mut lot.next[start..start + SIXTEEN]);
+        self.number.store_slice(&mut lot.block[start..start + SIXTEEN]);
     }
 }
 

@@ -55,7 +55,7 @@ pub(super) struct Beam<V> {
 }
 
 /// What was found, lane by lane.
-pub(super) struct Meeting<V> {
+pub(super) struct Meeting<V, M> {
     /// The two roots, the first one less than the second, how far off each may be, and the least that
     /// they may be.
     pub(super) tau: [V; 2],
@@ -65,6 +65,8 @@ pub(super) struct Meeting<V> {
     pub(super) lambda: [V; 2],
     /// In which lanes there may be a hit at the first root, and at the second one; no more than one each.
     pub(super) may: [u32; 2],
+    /// The same.
+    pub(super) masks: [M; 2],
     /// In which lanes there is one for certain, if that was asked for.
     pub(super) sure: u32,
     /// In which lanes the ray may be tangent.
@@ -73,7 +75,7 @@ pub(super) struct Meeting<V> {
     pub(super) touch: V,
 }
 
-impl<V> Meeting<V> {
+impl<V, M> Meeting<V, M> {
     /// Whether no lane has anything.
     #[inline(always)]
     pub(super) fn misses(&self) -> bool {
@@ -93,7 +95,7 @@ pub(super) fn meet<S: Simd, V: SimdFloat<S, Element = f32>, const SURE: bool>(
     simd: S,
     leaf: &Shells<V>,
     ray: &Beam<V>,
-) -> Meeting<V> {
+) -> Meeting<V, V::Mask> {
     let one = V::splat(simd, 1.0);
     let &Beam { a, b, c, dz, length2, .. } = ray;
     let [start, end] = ray.range;
@@ -177,7 +179,8 @@ pub(super) fn meet<S: Simd, V: SimdFloat<S, Element = f32>, const SURE: bool>(
         blur,
         low: [near_ends[0], far_ends[0]],
         lambda: [at_near, at_far],
-        may: may.map(|may| may.to_bitmask() as u32),
+        may: [may[0].to_bitmask() as u32, may[1].to_bitmask() as u32],
+        masks: may,
         sure,
         tangent,
         touch,

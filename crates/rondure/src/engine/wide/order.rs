@@ -6,6 +6,9 @@ use fearless_simd::{Simd, f32x8, mask32x8, u32x8};
 /// A number from 0 to 15 takes the place of the last bits.
 const NUMBER: u32 = 15;
 
+/// The key of what is not there: infinity, with the last place.
+const NONE: u32 = f32::INFINITY.to_bits() | NUMBER;
+
 const NUMBERS: [[u32; 8]; 2] = [[0, 1, 2, 3, 4, 5, 6, 7], [8, 9, 10, 11, 12, 13, 14, 15]];
 
 /// Eight values, of the first or the second half of sixteen: for each in the mask a number that is in their order, with
@@ -16,7 +19,7 @@ pub(super) fn keys<S: Simd>(simd: S, values: f32x8<S>, mask: mask32x8<S>, half: 
     let bits: u32x8<S> = values.max(f32x8::splat(simd, 0.0)).bitcast();
     let numbers = u32x8::from_slice(simd, &NUMBERS[half]);
     let keys = (bits & u32x8::splat(simd, !NUMBER)) | numbers;
-    mask.select(keys, u32x8::splat(simd, u32::MAX))
+    mask.select(keys, u32x8::splat(simd, NONE))
 }
 
 /// The place of the least key.
@@ -39,18 +42,27 @@ pub(super) fn first<S: Simd>(simd: S, values: [f32x8<S>; 2], mask: u32) -> usize
     (least_key(simd, values, mask) & NUMBER) as usize
 }
 
-/// No more than the least value in the mask, and not much less: minus infinity if it is negative, infinity if there
-/// is none.
+/// The place of the least value in the masks, or nearly the least. No more than the least of the others, and not much less,
+/// comes with it: minus infinity if that is negative, infinity if there is none.
 #[inline(always)]
-pub(super) fn least<S: Simd>(simd: S, values: [f32x8<S>; 2], mask: u32) -> f32 {
-    let least = f32::from_bits(least_key(simd, values, mask) & !NUMBER);
-    if least > 0.0 {
-        least
-    } else if mask == 0 {
-        f32::INFINITY
-    } else {
-        f32::NEG_INFINITY
-    }
+pub(super) fn first_and_next<S: Simd>(
+    simd: S,
+    values: [f32x8<S>; 2],
+    masks: [mask32x8<S>; 2],
+) -> (usize, f32) {
+    let (near, far) = (keys(simd, values[0], masks[0], 0), keys(simd, values[1], masks[1], 1));
+    let first = near.min(far).reduce_min();
+    let (is_first, none) = (u32x8::splat(simd, first), u32x8::splat(simd, NONE));
+    let near = near.simd_eq(is_first).select(none, near);
+    let far = far.simd_eq(is_first).select(none, far);
+    ((first & NUMBER) as usize, value(near.min(far).reduce_min()))
+}
+
+/// The value of a key, or minus infinity: negative values have no keys of their own.
+#[inline(always)]
+fn value(key: u32) -> f32 {
+    let value = f32::from_bits(key & !NUMBER);
+    if value > 0.0 { value } else { f32::NEG_INFINITY }
 }
 
 #[cfg(test)]
@@ -63,15 +75,32 @@ mod tests {
     fn the_least_in_the_mask_comes_first() {
         let values =
             [5.0, 2.0, 9.0, 0.5, 4.0, 3.0, 7.0, 8.0, 1.0, 0.25, 6.0, 5.5, 2.5, 3.5, 4.5, -1.0];
-        let cases =
-            [(0xffff, 15, f32::NEG_INFINITY), (0x7fff, 9, 0.25), (0x00f7, 1, 2.0), (0x8, 3, 0.5)];
+        let cases = [
+            (0xffff, 15, 0.25),
+            (0x7fff, 9, 0.5),
+            (0x00f7, 1, 3.0),
+            (0x8008, 15, 0.5),
+            (0x8, 3, f32::INFINITY),
+        ];
         for (mask, number, value) in cases {
-            let found = dispatch!(Level::new(), simd => {
+            let (alone, both) = dispatch!(Level::new(), simd => {
                 let halves = [&values[..8], &values[8..]].map(|half| f32x8::from_slice(simd, half));
-                (first(simd, halves, mask), least(simd, halves, mask))
+                let of = |mask: u32| mask32x8::from_bitmask(simd, u64::from(mask));
+                let masks = [of(mask & 0xff), of(mask >> 8)];
+                (first(simd, halves, mask), first_and_next(simd, halves, masks))
             });
-            assert_eq!(found.0, number);
-            assert!(found.1 <= value && found.1 >= value * (1.0 - 1e-5), "{found:?}");
+            assert_eq!([alone, both.0], [number; 2]);
+            assert!(both.1 <= value && both.1 >= value * (1.0 - 1e-5), "{both:?}");
         }
+    }
+
+    #[test]
+    fn what_is_negative_may_lie_anywhere_before() {
+        let next = dispatch!(Level::new(), simd => {
+            let values = f32x8::from_slice(simd, &[3.0, -2.0, -0.5, 1.0, 4.0, 4.0, 4.0, 4.0]);
+            let (all, none) = (mask32x8::splat(simd, true), mask32x8::splat(simd, false));
+            first_and_next(simd, [values; 2], [all, none]).1
+        });
+        assert_eq!(next, f32::NEG_INFINITY);
     }
 }

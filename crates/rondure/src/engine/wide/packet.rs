@@ -29,7 +29,7 @@ const WIDEST: f32 = 1.0 / 6.0;
 /// As many blocks may lie on their way.
 const MOST_BLOCKS: usize = 32;
 /// More than the rounding of a sum of two numbers, as a part of it.
-const ROUNDED: f32 = 2.0 * f32::EPSILON;
+pub(super) const ROUNDED: f32 = 2.0 * f32::EPSILON;
 /// More than the diagonal of a square of side 1.
 const DIAGONAL: f32 = 1.5;
 /// A direction that is farther from another than this part of its length is not alike.
@@ -209,7 +209,7 @@ impl<S: Simd> Nearest<S> {
     fn consider(
         &mut self,
         simd: S,
-        meeting: &Meeting<f32x16<S>>,
+        meeting: &Meeting<f32x16<S>, mask32x16<S>>,
         root: usize,
         lanes: u32,
         origin: f32x16<S>,
@@ -235,7 +235,13 @@ impl<S: Simd> Nearest<S> {
 
     /// Takes account of places where rays may touch, in some lanes.
     #[inline(always)]
-    fn doubt(&mut self, simd: S, meeting: &Meeting<f32x16<S>>, lanes: u32, origin: f32x16<S>) {
+    fn doubt(
+        &mut self,
+        simd: S,
+        meeting: &Meeting<f32x16<S>, mask32x16<S>>,
+        lanes: u32,
+        origin: f32x16<S>,
+    ) {
         let lanes = mask32x16::from_bitmask(simd, u64::from(lanes));
         let touch = origin + meeting.touch;
         let touch = touch - touch.abs() * f32x16::splat(simd, ROUNDED);
@@ -354,7 +360,7 @@ impl Wide {
             let (block, leaf) = (&self.blocks[block], &self.leaves[number as usize]);
             let mut curve = [f64x8::splat(simd, 0.0); WIDTH];
             for (column, c) in curve.iter_mut().zip(self.curves[leaf.piece() as usize].powers()) {
-                *column = f64x8::splat(simd, c);
+                *column = f64x8::splat(simd, *c);
             }
             let [low, high] = leaf.valid();
             let valid = [f64x8::splat(simd, low), f64x8::splat(simd, high)];
@@ -364,7 +370,7 @@ impl Wide {
                     continue;
                 }
                 let near = &packet.near[half];
-                let mut aim = Aim {
+                let aim = Aim {
                     curve,
                     origin: near.origin,
                     direction: near.direction,
@@ -377,18 +383,18 @@ impl Wide {
                     valid,
                     last2: f64x8::splat(simd, leaf.last2()),
                 };
-                let certain = if leaf.is_conic() {
+                let landing = if leaf.is_conic() {
                     aim.hit::<true>(simd, lanes)
                 } else {
                     aim.hit::<false>(simd, lanes)
                 };
-                for lane in bits(certain) {
+                for lane in bits(landing.certain) {
                     let index = start + half * WIDTH + lane;
-                    hits.t[index] = aim.tau[lane % WIDTH];
+                    hits.t[index] = landing.tau[lane % WIDTH];
                     hits.piece[index] = leaf.piece();
-                    hits.s[index] = aim.s[lane % WIDTH];
+                    hits.s[index] = landing.s[lane % WIDTH];
                 }
-                hit |= certain << (half * WIDTH);
+                hit |= landing.certain << (half * WIDTH);
             }
         }
         hit

@@ -6,12 +6,11 @@ use fearless_simd::{Simd, f32x8};
 
 use super::Wide;
 use super::arithmetic::{Best, lesser};
-use super::block::{Block, LANES};
+use super::block::{Block, LANES, Met};
 use super::course::Course;
 use super::exactly::sort;
 use super::leaf::{Finding, Spot};
-use super::meet::Meeting;
-use super::order::{first, least};
+use super::order::{first, first_and_next};
 use super::walk::Way;
 use crate::Ray;
 use crate::engine::counters::Count;
@@ -71,7 +70,7 @@ pub(super) struct Spots<S: Simd> {
     /// The least that they may be.
     low: [f32x8<S>; 2],
     /// Which of them wait.
-    pub(super) waiting: u32,
+    waiting: u32,
     /// Their numbers.
     tau: [f32; 2 * LANES],
     s: [f32; 2 * LANES],
@@ -80,7 +79,7 @@ pub(super) struct Spots<S: Simd> {
 
 impl<S: Simd> Spots<S> {
     #[inline(always)]
-    pub(super) fn new(simd: S, block: &Block, meeting: &Meeting<f32x8<S>>, origin: f32) -> Self {
+    fn new(simd: S, block: &Block, meeting: &Met<S>, origin: f32) -> Self {
         let (mut tau, mut s) = ([0.0; 2 * LANES], [0.0; 2 * LANES]);
         let mut blur = [0.0; LANES];
         meeting.tau[0].store_slice(&mut tau[..LANES]);
@@ -92,18 +91,38 @@ impl<S: Simd> Spots<S> {
         Self { origin: f64::from(origin), low: meeting.low, waiting, tau, s, blur }
     }
 
+    /// Of all of them the one that comes first, or nearly so, with its leaf's lane, and where the others begin, at the earliest;
+    /// of no meaning if there is none.
+    #[inline(always)]
+    pub(super) fn nearest(
+        simd: S,
+        block: &Block,
+        meeting: &Met<S>,
+        origin: f64,
+    ) -> (usize, Spot, f64) {
+        let (number, next) = first_and_next(simd, meeting.low, meeting.masks);
+        let (mut tau, mut lambda) = ([0.0; 2 * LANES], [0.0; 2 * LANES]);
+        let mut blur = [0.0; LANES];
+        for root in 0..2 {
+            meeting.tau[root].store_slice(&mut tau[root * LANES..][..LANES]);
+            meeting.lambda[root].store_slice(&mut lambda[root * LANES..][..LANES]);
+        }
+        meeting.blur.store_array(&mut blur);
+        let (number, lane) = (number % (2 * LANES), number % LANES);
+        let spot = Spot {
+            tau: origin + f64::from(tau[number]),
+            s: block.guess_in(Best(simd), lane, lambda[number]),
+            blur: f64::from(blur[lane]),
+        };
+        (lane, spot, origin + f64::from(next))
+    }
+
     /// Takes out the one that comes first, or nearly so, with its leaf's lane.
     #[inline(always)]
-    pub(super) fn first(&mut self, simd: S) -> (usize, Spot) {
+    fn first(&mut self, simd: S) -> (usize, Spot) {
         let number = first(simd, self.low, self.waiting);
         self.waiting &= !(1 << number);
         (number % LANES, self.spot(number))
-    }
-
-    /// Where those that wait begin, at the earliest.
-    #[inline(always)]
-    pub(super) fn least(&self, simd: S) -> f64 {
-        self.origin + f64::from(least(simd, self.low, self.waiting))
     }
 
     /// Takes out any.
@@ -155,23 +174,22 @@ impl Wide {
                 continue;
             }
             if meeting.may_hit() && meeting.tangent == 0 {
-                let mut spots = Spots::new(simd, &self.blocks[block], &meeting, enter);
-                let (lane, spot) = spots.first(simd);
+                let (lane, spot, other) =
+                    Spots::nearest(simd, &self.blocks[block], &meeting, f64::from(enter));
                 let leaf = &self.leaves[block * LANES + lane];
-                if let Some(hit) = leaf.quick(Best(simd), &self.curves, course, spot) {
-                    spots.cut(simd, hit.tau);
-                    if spots.waiting == 0 {
-                        let piece = leaf.piece();
-                        if way.is_over(simd, hit.tau) {
-                            return Some(Hit { t: hit.tau + course.shift, piece, s: hit.s });
-                        }
-                        end = lesser(end, hit.tau);
-                        nearest.consider(hit.tau, hit.s, piece, hit.margin);
-                        stop = match way.next::<_, true>(simd, self, end) {
-                            Some(stop) => stop,
-                            None => return nearest.hit(course),
-                        };
+                if let Some(hit) = leaf.quick(Best(simd), &self.curves, course, spot)
+                    && hit.tau < other
+                {
+                    let piece = leaf.piece();
+                    if way.is_over(simd, hit.tau) {
+                        return Some(Hit { t: hit.tau + course.shift, piece, s: hit.s });
                     }
+                    end = lesser(end, hit.tau);
+                    nearest.consider(hit.tau, hit.s, piece, hit.margin);
+                    stop = match way.next::<_, true>(simd, self, end) {
+                        Some(stop) => stop,
+                        None => return nearest.hit(course),
+                    };
                 }
             }
             break;

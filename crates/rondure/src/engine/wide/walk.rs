@@ -7,7 +7,7 @@ use fearless_simd::{Simd, f32x8};
 use super::Wide;
 use super::boxes::{Slabs, WIDTH};
 use super::course::Course;
-use super::order::{first, least};
+use super::order::first;
 
 /// Levels of boxes above the lowest: as many as 2^32 leaves need, and leaves are numbered in a u32.
 const LEVELS: usize = 7;
@@ -54,19 +54,6 @@ impl Way {
         self.down::<_, NEAREST>(simd, wide, found, end)
     }
 
-    /// The way of no ray.
-    pub(super) const NONE: Self =
-        Self { slabs: Slabs::NONE, level: 0, current: Vector::NONE, above: ArrayVec::new_const() };
-
-    /// Makes it that of another ray, in place.
-    #[inline(always)]
-    pub(super) fn restart<S: Simd>(&mut self, simd: S, wide: &Wide, ray: &Course) {
-        self.slabs = Slabs::new(ray);
-        self.level = wide.levels.len() - 1;
-        self.above.clear();
-        self.current = Vector::new::<_, true>(simd, wide, &self.slabs, self.level, 0, ray.range[1]);
-    }
-
     /// The next block that the ray may meet before `end`, and where it enters the box round it.
     #[inline(always)]
     pub(super) fn next<S: Simd, const NEAREST: bool>(
@@ -104,16 +91,6 @@ impl Way {
             let _ = self.above.try_push(core::mem::replace(&mut self.current, below));
             found = self.current.first::<NEAREST>();
         }
-    }
-
-    /// Where the ray enters what is left, at the earliest.
-    #[inline(always)]
-    pub(super) fn least<S: Simd>(&self, simd: S) -> f32 {
-        let mut least = self.current.least(simd);
-        for vector in &self.above {
-            least = least.min(vector.least(simd));
-        }
-        least
     }
 
     /// Whether nothing is left before `end`.
@@ -169,15 +146,6 @@ impl Vector {
         let [first, second] = self.enters(simd);
         let before = first.simd_le(end).to_bitmask() | second.simd_le(end).to_bitmask() << 8;
         self.waiting & before as u32
-    }
-
-    #[inline(always)]
-    fn least<S: Simd>(&self, simd: S) -> f32 {
-        // Mostly so.
-        if self.waiting == 0 {
-            return f32::INFINITY;
-        }
-        least(simd, self.enters(simd), self.waiting)
     }
 
     /// The nearest box that waits.
