@@ -34,20 +34,18 @@ struct Spoiled {
 
 impl Contender for Spoiled {
     fn closest(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
+        let mut all = Vec::new();
+        Contender::all(self, rays, &mut all);
         hits.clear();
-        hits.extend(rays.iter().map(|ray| {
-            let mut all = Vec::new();
-            Contender::all(self, ray, &mut all);
-            all.first().copied()
-        }));
+        hits.extend(all.iter().map(|own| own.first().copied()));
     }
     fn any(&self, rays: &[Ray], found: &mut Vec<bool>) {
         found.clear();
         found.extend(rays.iter().map(|ray| self.surface.any(ray)));
     }
-    fn all(&self, ray: &Ray, hits: &mut Vec<Hit>) {
-        self.surface.all(ray, hits);
-        (self.spoil)(hits);
+    fn all(&self, rays: &[Ray], hits: &mut Vec<Vec<Hit>>) {
+        Contender::all(&self.surface, rays, hits);
+        hits.iter_mut().for_each(self.spoil);
     }
 }
 

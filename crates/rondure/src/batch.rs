@@ -126,6 +126,71 @@ impl Hits {
     }
 }
 
+/// All hits of many rays, those of one ray after those of the ray before it, in order of t.
+#[derive(Clone, Debug, Default)]
+pub struct AllHits {
+    /// Where the hits of each ray begin among all of them, and behind the last where those end.
+    pub starts: Vec<usize>,
+    /// The ray parameters.
+    pub t: Vec<f64>,
+    /// The pieces.
+    pub piece: Vec<u32>,
+    /// The parameters on them.
+    pub s: Vec<f64>,
+}
+
+impl AllHits {
+    /// The hits of one ray.
+    ///
+    /// # Panics
+    ///
+    /// If there are no more rays than `index`.
+    pub fn of(&self, index: usize) -> impl ExactSizeIterator<Item = Hit> + '_ {
+        let own = self.starts[index]..self.starts[index + 1];
+        own.map(|i| Hit { t: self.t[i], piece: self.piece[i], s: self.s[i] })
+    }
+}
+
+/// The hits of rays as they are found, in any order of the rays.
+#[derive(Debug)]
+pub(crate) struct Gathered {
+    hits: Vec<Hit>,
+    /// For each ray where its hits begin, and how many there are.
+    runs: Vec<(usize, usize)>,
+}
+
+impl Gathered {
+    pub(crate) fn new(rays: usize) -> Self {
+        Self { hits: Vec::new(), runs: vec![(0, 0); rays] }
+    }
+
+    /// The hits of a ray, by t.
+    pub(crate) fn add(&mut self, ray: usize, hits: &[Hit]) {
+        self.runs[ray] = (self.hits.len(), hits.len());
+        self.hits.extend_from_slice(hits);
+    }
+
+    /// Puts them into the order of the rays.
+    pub(crate) fn sorted(&self, all: &mut AllHits) {
+        let AllHits { starts, t, piece, s } = all;
+        starts.clear();
+        starts.reserve(self.runs.len() + 1);
+        // What is there already is written over.
+        t.resize(self.hits.len(), 0.0);
+        piece.resize(self.hits.len(), 0);
+        s.resize(self.hits.len(), 0.0);
+        let mut next = 0;
+        for &(start, count) in &self.runs {
+            starts.push(next);
+            for hit in &self.hits[start..start + count] {
+                (t[next], piece[next], s[next]) = (hit.t, hit.piece, hit.s);
+                next += 1;
+            }
+        }
+        starts.push(next);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

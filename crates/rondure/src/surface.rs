@@ -5,7 +5,7 @@
 //! ```
 
 use crate::arc_length::ArcLength;
-use crate::batch::{Hits, Rays};
+use crate::batch::{AllHits, Gathered, Hits, Rays};
 use crate::engine::{Engine, EngineOptions, Polyline, Statistics, TreeNode};
 use crate::frame::{Frame, LocalRay, largest_stretch};
 use crate::interaction::{Interaction, interaction};
@@ -229,6 +229,34 @@ impl Surface {
         for i in 0..rays.len() {
             hits.set(i, self.closest(&rays.get(i)));
         }
+    }
+
+    /// All hits of many rays: the same as [`all`](Self::all) finds for each, t apart by rounding. What `hits` held is lost.
+    ///
+    /// ```
+    /// use rondure::{AllHits, Profile, RayColumns, Ray, Surface, Vec3};
+    ///
+    /// let ball = Surface::new(&Profile::from_path_data("M 0 -1 A 1 1 0 0 1 0 1")?);
+    /// let rays = [0.0, 2.0, 0.6].map(|z| Ray::new(Vec3::new(-5.0, 0.0, z), Vec3::X));
+    /// let mut hits = AllHits::default();
+    /// ball.all_of_many(&RayColumns::from_iter(&rays).rays(), &mut hits);
+    /// assert_eq!(hits.starts, [0, 2, 2, 4]);
+    /// assert!(hits.of(2).all(|hit| ((hit.t - 5.0).abs() - 0.8).abs() < 1e-14));
+    /// # Ok::<(), rondure::ProfileError>(())
+    /// ```
+    pub fn all_of_many(&self, rays: &Rays<'_>, hits: &mut AllHits) {
+        let mut gathered = Gathered::new(rays.len());
+        match self.engine.wide() {
+            Some(wide) => wide.all_of_many(&self.pieces, &self.frame, rays, &mut gathered),
+            None => {
+                let mut own = Vec::new();
+                for i in 0..rays.len() {
+                    self.all(&rays.get(i), &mut own);
+                    gathered.add(i, &own);
+                }
+            }
+        }
+        gathered.sorted(hits);
     }
 
     /// The full answer for a hit that this surface reported for this ray.

@@ -16,7 +16,7 @@ use std::sync::{
 use std::thread;
 
 use rondure::{
-    EngineOptions, Hit, Hits, Method, Ray, RayColumns, Surface, Vec3, engine::Instructions,
+    AllHits, EngineOptions, Hit, Hits, Method, Ray, RayColumns, Surface, Vec3, engine::Instructions,
 };
 
 pub use count::{Count, Failure};
@@ -37,8 +37,8 @@ pub trait Contender: Send + Sync {
     fn closest(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>);
     /// Whether each ray hits.
     fn any(&self, rays: &[Ray], found: &mut Vec<bool>);
-    /// All hits of one ray.
-    fn all(&self, ray: &Ray, hits: &mut Vec<Hit>);
+    /// All hits of each ray.
+    fn all(&self, rays: &[Ray], hits: &mut Vec<Vec<Hit>>);
 }
 
 impl Contender for Surface {
@@ -50,12 +50,15 @@ impl Contender for Surface {
         found.clear();
         found.extend(rays.iter().map(|ray| Surface::any(self, ray)));
     }
-    fn all(&self, ray: &Ray, hits: &mut Vec<Hit>) {
-        Surface::all(self, ray, hits);
+    fn all(&self, rays: &[Ray], hits: &mut Vec<Vec<Hit>>) {
+        hits.resize_with(rays.len(), Vec::new);
+        for (ray, own) in rays.iter().zip(hits) {
+            Surface::all(self, ray, own);
+        }
     }
 }
 
-/// A surface that is asked about many rays at once where that can be.
+/// A surface that is asked about many rays at once.
 struct Batches(Surface);
 
 impl Contender for Batches {
@@ -70,8 +73,14 @@ impl Contender for Batches {
         found.resize(rays.len(), false);
         self.0.any_of_many(&RayColumns::from_iter(rays).rays(), found);
     }
-    fn all(&self, ray: &Ray, hits: &mut Vec<Hit>) {
-        self.0.all(ray, hits);
+    fn all(&self, rays: &[Ray], hits: &mut Vec<Vec<Hit>>) {
+        let mut found = AllHits::default();
+        self.0.all_of_many(&RayColumns::from_iter(rays).rays(), &mut found);
+        hits.resize_with(rays.len(), Vec::new);
+        for (i, own) in hits.iter_mut().enumerate() {
+            own.clear();
+            own.extend(found.of(i));
+        }
     }
 }
 
@@ -203,7 +212,6 @@ struct Bench {
     rays: Vec<Ray>,
     expected: Sheet,
     found: Sheet,
-    hits: Vec<Hit>,
 }
 
 /// The answers for a block of rays.
@@ -211,27 +219,18 @@ struct Bench {
 struct Sheet {
     closest: Vec<Option<Hit>>,
     any: Vec<bool>,
-    all: Vec<Hit>,
-    /// Where the hits of each ray end in `all`.
-    ends: Vec<usize>,
+    all: Vec<Vec<Hit>>,
 }
 
 impl Sheet {
-    fn fill(&mut self, contender: &dyn Contender, rays: &[Ray], hits: &mut Vec<Hit>) {
+    fn fill(&mut self, contender: &dyn Contender, rays: &[Ray]) {
         contender.closest(rays, &mut self.closest);
         contender.any(rays, &mut self.any);
-        self.all.clear();
-        self.ends.clear();
-        for ray in rays {
-            contender.all(ray, hits);
-            self.all.extend_from_slice(hits);
-            self.ends.push(self.all.len());
-        }
+        contender.all(rays, &mut self.all);
     }
 
     fn answers(&self, i: usize) -> Answers<'_> {
-        let start = if i == 0 { 0 } else { self.ends[i - 1] };
-        Answers { all: &self.all[start..self.ends[i]], closest: self.closest[i], any: self.any[i] }
+        Answers { all: &self.all[i], closest: self.closest[i], any: self.any[i] }
     }
 }
 
@@ -243,9 +242,9 @@ impl Bench {
         judge: &Judge<'_>,
         counts: &mut [Count],
     ) {
-        self.expected.fill(exact, &self.rays, &mut self.hits);
+        self.expected.fill(exact, &self.rays);
         for (entrant, count) in entrants.iter().zip(counts) {
-            self.found.fill(&*entrant.contender, &self.rays, &mut self.hits);
+            self.found.fill(&*entrant.contender, &self.rays);
             for (i, ray) in self.rays.iter().enumerate() {
                 judge.compare(ray, self.expected.answers(i), self.found.answers(i), count);
             }

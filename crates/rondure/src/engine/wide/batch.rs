@@ -5,19 +5,24 @@ use fearless_simd::{Simd, dispatch};
 
 use super::Wide;
 use super::bits::bits;
+use super::every::Every;
 use super::lot::Lot;
 use super::near::{Near, WIDTH, pass};
 use super::packet::{Packet, SIXTEEN};
 use crate::Ray;
-use crate::batch::{Hits, Rays};
+use crate::batch::{Gathered, Hits, Rays};
 use crate::frame::Frame;
 use crate::piece::Piece;
+use crate::surface::Hit;
 
 /// As many rays are left over before they are answered.
 const OVER: usize = 64;
 
 /// What is asked about many rays: how packets, lots and single rays answer it, and where the answers go.
 trait Answers {
+    /// Whether rays that are alike go together.
+    const PACKETS: bool = true;
+
     /// Answers the rays of a packet, from the one numbered `start` on, or leaves them to `single`.
     fn together<S: Simd>(
         &mut self,
@@ -33,6 +38,40 @@ trait Answers {
 
     /// Answers one ray.
     fn one(&mut self, target: &Target<'_>, index: usize, ray: &Ray);
+}
+
+/// All hits, and where they are worked out.
+struct All<'a> {
+    hits: &'a mut Gathered,
+    every: Every,
+    own: Vec<Hit>,
+}
+
+impl Answers for All<'_> {
+    // They would have to meet the same leaves all along.
+    const PACKETS: bool = false;
+
+    #[inline(always)]
+    fn together<S: Simd>(
+        &mut self,
+        _: S,
+        _: &Wide,
+        packet: &Packet<'_, S>,
+        start: usize,
+        single: &mut Vec<usize>,
+    ) {
+        single.extend(bits(packet.meets()).map(|lane| start + lane));
+    }
+
+    #[inline(always)]
+    fn apart<S: Simd>(&mut self, simd: S, wide: &Wide, lot: &mut Lot) {
+        wide.all_apart(simd, lot, &mut self.every, self.hits);
+    }
+
+    fn one(&mut self, target: &Target<'_>, index: usize, ray: &Ray) {
+        target.wide.all(target.pieces, target.frame, ray, &mut self.own);
+        self.hits.add(index, &self.own);
+    }
 }
 
 /// What the rays are shot at.
@@ -116,6 +155,20 @@ impl Wide {
     }
 }
 
+impl Wide {
+    pub(crate) fn all_of_many(
+        &self,
+        pieces: &[Piece],
+        frame: &Frame,
+        rays: &Rays<'_>,
+        hits: &mut Gathered,
+    ) {
+        let target = Target { wide: self, pieces, frame };
+        let mut all = All { hits, every: Every::new(), own: Vec::new() };
+        dispatch!(self.level, simd => target.answer(simd, rays, rays.len(), &mut all));
+    }
+}
+
 impl Target<'_> {
     /// Answers the first `count` rays.
     #[inline(always)]
@@ -139,7 +192,8 @@ impl Target<'_> {
             ];
             lot.refuse(&near, start);
             if near[0].meets | near[1].meets != 0 {
-                match Packet::new(simd, &near) {
+                let packet = if A::PACKETS { Packet::new(simd, &near) } else { None };
+                match packet {
                     Some(packet) => {
                         answers.together(simd, wide, &packet, start, &mut lot.single);
                     }

@@ -41,6 +41,8 @@ pub(super) struct Landing<S: Simd> {
     pub(super) certain: u32,
     pub(super) s: f64x8<S>,
     pub(super) tau: f64x8<S>,
+    /// How far off rounding may put tau.
+    pub(super) margin: f64x8<S>,
 }
 
 impl<S: Simd> Aim<S> {
@@ -88,7 +90,7 @@ impl<S: Simd> Aim<S> {
             & s.simd_lt(one - off_s)
             & tau.simd_gt(self.range[0] + off)
             & tau.simd_lt(self.range[1] - off);
-        Landing { certain: is.to_bitmask() as u32 & last & wanted, s, tau }
+        Landing { certain: is.to_bitmask() as u32 & last & wanted, s, tau, margin: off }
     }
 
     /// r, r', z and z', as [`Curve`](super::leaf::Curve) has them.

@@ -27,7 +27,7 @@ use crate::Vec3;
 use crate::batch::Hits;
 
 /// How many rays are under way: few enough for their data to stay in the first cache.
-const LOT: usize = 64;
+pub(super) const LOT: usize = 64;
 
 /// The most blocks of a surface whose rays go together; all are looked at for each ray.
 const MOST_BLOCKS: usize = 64;
@@ -222,7 +222,8 @@ impl Wide {
             if there == 0 {
                 continue;
             }
-            let mut targets = Targets::new(self, &lot.spots.leaf[start..start + WIDTH]);
+            let mut targets =
+                Targets::new(self, lot.spots.leaf[start..start + WIDTH].iter().copied());
             let f64s = |column: &Column| f64x8::from_slice(simd, &column[start..start + WIDTH]);
             let ([ox, oy, oz], [dx, dy, dz]) = (&lot.origin, &lot.direction);
             let aim = Aim {
@@ -235,11 +236,8 @@ impl Wide {
                 tau: f64s(&lot.spots.tau),
                 blur: f64s(&lot.spots.blur),
                 range: [f64s(&lot.range[0]), f64s(&lot.range[1]).min(f64s(&lot.spots.end))],
-                valid: [
-                    f64x8::from_slice(simd, &targets.valid[0]),
-                    f64x8::from_slice(simd, &targets.valid[1]),
-                ],
-                last2: f64x8::from_slice(simd, &targets.last2),
+                valid: targets.valid(simd),
+                last2: targets.last2(simd),
             };
             targets.conic &= there;
             let mut found = 0;
@@ -269,18 +267,18 @@ impl Wide {
 }
 
 /// What [`Aim`] has to know of eight leaves.
-struct Targets<'a> {
-    pieces: [u32; WIDTH],
-    curves: [&'a [f64; WIDTH]; WIDTH],
+pub(super) struct Targets<'a> {
+    pub(super) pieces: [u32; WIDTH],
+    pub(super) curves: [&'a [f64; WIDTH]; WIDTH],
     valid: [[f64; WIDTH]; 2],
     last2: [f64; WIDTH],
     /// Which are conics.
-    conic: u32,
+    pub(super) conic: u32,
 }
 
 impl<'a> Targets<'a> {
     #[inline(always)]
-    fn new(wide: &'a Wide, leaves: &[u32]) -> Self {
+    pub(super) fn new(wide: &'a Wide, leaves: impl Iterator<Item = u32>) -> Self {
         let mut targets = Self {
             pieces: [0; WIDTH],
             curves: [&[0.0; WIDTH]; WIDTH],
@@ -288,7 +286,7 @@ impl<'a> Targets<'a> {
             last2: [0.0; WIDTH],
             conic: 0,
         };
-        for (i, &leaf) in leaves.iter().enumerate().take(WIDTH) {
+        for (i, leaf) in leaves.enumerate().take(WIDTH) {
             let leaf = &wide.leaves[leaf as usize];
             targets.pieces[i] = leaf.piece();
             targets.curves[i] = wide.curves[leaf.piece() as usize].powers();
@@ -297,6 +295,18 @@ impl<'a> Targets<'a> {
             targets.conic |= u32::from(leaf.is_conic()) << i;
         }
         targets
+    }
+
+    /// As [`Aim::valid`].
+    #[inline(always)]
+    pub(super) fn valid<S: Simd>(&self, simd: S) -> [f64x8<S>; 2] {
+        [f64x8::from_slice(simd, &self.valid[0]), f64x8::from_slice(simd, &self.valid[1])]
+    }
+
+    /// As [`Aim::last2`].
+    #[inline(always)]
+    pub(super) fn last2<S: Simd>(&self, simd: S) -> f64x8<S> {
+        f64x8::from_slice(simd, &self.last2)
     }
 }
 
@@ -325,6 +335,52 @@ impl Lot {
         }
     }
 
+    /// How many rays there are.
+    #[inline(always)]
+    pub(super) fn len(&self) -> usize {
+        self.len.min(LOT)
+    }
+
+    /// Which ray of the batch one of them is.
+    #[inline(always)]
+    pub(super) fn number(&self, ray: usize) -> usize {
+        self.ray[ray]
+    }
+
+    /// Where a ray enters a block's box; infinity if it does not.
+    #[inline(always)]
+    pub(super) fn enters(&self, block: usize, ray: usize) -> f32 {
+        self.enters[block][ray]
+    }
+
+    /// Eight of the rays.
+    #[inline(always)]
+    pub(super) fn rays<S: Simd>(
+        &self,
+        simd: S,
+        [a, b, c, d, e, f, g, h]: [usize; WIDTH],
+    ) -> Chosen<S> {
+        let pick = |of: &Column| {
+            let of = |ray: usize| of[ray % LOT];
+            f64x8::from_slice(simd, &[of(a), of(b), of(c), of(d), of(e), of(f), of(g), of(h)])
+        };
+        let ([ox, oy, oz], [dx, dy, dz]) = (&self.origin, &self.direction);
+        Chosen {
+            origin: [pick(ox), pick(oy), pick(oz)],
+            direction: [pick(dx), pick(dy), pick(dz)],
+            length2: pick(&self.length2),
+            far: pick(&self.far),
+            range: [pick(&self.range[0]), pick(&self.range[1])],
+        }
+    }
+
+    /// Leaves none.
+    #[inline(always)]
+    pub(super) fn empty(&mut self) {
+        self.len = 0;
+        self.seeking.len = 0;
+    }
+
     /// Whether there is no room for sixteen more.
     #[inline(always)]
     pub(super) fn is_full(&self) -> bool {
@@ -333,7 +389,7 @@ impl Lot {
 
     /// Lets those that were taken in seek: finds where they enter all boxes round blocks, and the nearest one.
     #[inline(always)]
-    fn set_out<S: Simd>(&mut self, simd: S, wide: &Wide) {
+    pub(super) fn set_out<S: Simd>(&mut self, simd: S, wide: &Wide) {
         let len = self.len.min(LOT);
         for start in (0..len).step_by(SIXTEEN) {
             let f32s = |column: &Column| {
@@ -407,7 +463,7 @@ impl Lot {
     }
 
     #[inline(always)]
-    fn course(&self, i: usize) -> Course {
+    pub(super) fn course(&self, i: usize) -> Course {
         let at = |c: &[Column; 3]| Vec3::new(c[0][i], c[1][i], c[2][i]);
         Course {
             origin: at(&self.origin),
@@ -454,6 +510,15 @@ impl Lot {
             self.len += 1;
         }
     }
+}
+
+/// Eight rays of a lot, as [`Aim`] has them.
+pub(super) struct Chosen<S: Simd> {
+    pub(super) origin: [f64x8<S>; 3],
+    pub(super) direction: [f64x8<S>; 3],
+    pub(super) length2: f64x8<S>,
+    pub(super) far: f64x8<S>,
+    pub(super) range: [f64x8<S>; 2],
 }
 
 /// The two boxes that sixteen rays enter first.

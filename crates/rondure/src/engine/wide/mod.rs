@@ -22,6 +22,7 @@ mod boxes;
 mod build;
 mod course;
 mod eight;
+mod every;
 mod exactly;
 mod leaf;
 mod lot;

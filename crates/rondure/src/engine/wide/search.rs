@@ -79,7 +79,7 @@ pub(super) struct Spots<S: Simd> {
 
 impl<S: Simd> Spots<S> {
     #[inline(always)]
-    fn new(simd: S, block: &Block, meeting: &Met<S>, origin: f32) -> Self {
+    pub(super) fn new(simd: S, block: &Block, meeting: &Met<S>, origin: f32) -> Self {
         let (mut tau, mut s) = ([0.0; 2 * LANES], [0.0; 2 * LANES]);
         let mut blur = [0.0; LANES];
         meeting.tau[0].store_slice(&mut tau[..LANES]);
@@ -133,7 +133,7 @@ impl<S: Simd> Spots<S> {
     }
 
     #[inline(always)]
-    fn spot(&self, number: usize) -> Spot {
+    pub(super) fn spot(&self, number: usize) -> Spot {
         let number = number % (2 * LANES);
         Spot {
             tau: self.origin + f64::from(self.tau[number]),
