@@ -259,6 +259,18 @@ impl Leaf {
         Finding::Unknown
     }
 
+    /// Whether there is surely no hit at a spot, on the piece and in the range.
+    #[inline(always)]
+    pub(super) fn misses(
+        &self,
+        fma: impl Fused,
+        curves: &[Curve],
+        course: &Course,
+        spot: Spot,
+    ) -> bool {
+        matches!(self.hit(fma, curves, course, spot), Finding::None)
+    }
+
     /// The hit at a spot, if it is certain at a glance that it is there: whatever must hold of it is asked
     /// of where Newton's last step but one leads, with room for the last one, and so need not wait for that.
     #[inline(always)]

@@ -205,8 +205,10 @@ impl Wide {
                 lot.single.push(lot.ray[number]);
                 continue;
             }
-            let (lane, spot, other) = Spots::nearest(simd, block_of, &meeting, f64::from(enter));
-            let (leaf, there) = (block * LANES + lane, meeting.may_hit());
+            let enter = f64::from(enter);
+            let (number_of, spot, other) =
+                Spots::nearest(simd, block_of, &meeting, meeting.masks, enter);
+            let (leaf, there) = (block * LANES + number_of % LANES, meeting.may_hit());
             let latest = lot.spots.consider(number, leaf, spot, there, other);
             let goes_on = (next < f64::INFINITY) & (next <= latest);
             lot.spots.end_before(number, if goes_on { f64::INFINITY } else { next });

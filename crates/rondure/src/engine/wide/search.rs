@@ -2,7 +2,7 @@
 
 use arrayvec::ArrayVec;
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x8};
+use fearless_simd::{Simd, f32x8, mask32x8};
 
 use super::Wide;
 use super::arithmetic::{Best, lesser};
@@ -91,16 +91,17 @@ impl<S: Simd> Spots<S> {
         Self { origin: f64::from(origin), low: meeting.low, waiting, tau, s, blur }
     }
 
-    /// Of all of them the one that comes first, or nearly so, with its leaf's lane, and where the others begin, at the earliest;
+    /// Of those in the masks the one that comes first, or nearly so, with its number, and where the others begin, at the earliest;
     /// of no meaning if there is none.
     #[inline(always)]
     pub(super) fn nearest(
         simd: S,
         block: &Block,
         meeting: &Met<S>,
+        masks: [mask32x8<S>; 2],
         origin: f64,
     ) -> (usize, Spot, f64) {
-        let (number, next) = first_and_next(simd, meeting.low, meeting.masks);
+        let (number, next) = first_and_next(simd, meeting.low, masks);
         let (mut tau, mut lambda) = ([0.0; 2 * LANES], [0.0; 2 * LANES]);
         let mut blur = [0.0; LANES];
         for root in 0..2 {
@@ -114,7 +115,7 @@ impl<S: Simd> Spots<S> {
             s: block.guess_in(Best(simd), lane, lambda[number]),
             blur: f64::from(blur[lane]),
         };
-        (lane, spot, origin + f64::from(next))
+        (number, spot, origin + f64::from(next))
     }
 
     /// Takes out the one that comes first, or nearly so, with its leaf's lane.
@@ -173,24 +174,45 @@ impl Wide {
                 stop = way.next::<_, true>(simd, self, end)?;
                 continue;
             }
-            if meeting.may_hit() && meeting.tangent == 0 {
-                let (lane, spot, other) =
-                    Spots::nearest(simd, &self.blocks[block], &meeting, f64::from(enter));
-                let leaf = &self.leaves[block * LANES + lane];
-                if let Some(hit) = leaf.quick(Best(simd), &self.curves, course, spot)
-                    && hit.tau < other
-                {
-                    let piece = leaf.piece();
-                    if way.is_over(simd, hit.tau) {
-                        return Some(Hit { t: hit.tau + course.shift, piece, s: hit.s });
-                    }
-                    end = lesser(end, hit.tau);
-                    nearest.consider(hit.tau, hit.s, piece, hit.margin);
-                    stop = match way.next::<_, true>(simd, self, end) {
-                        Some(stop) => stop,
-                        None => return nearest.hit(course),
-                    };
+            if meeting.tangent != 0 {
+                break;
+            }
+            let enter = f64::from(enter);
+            let (mut number, mut spot, mut other) =
+                Spots::nearest(simd, &self.blocks[block], &meeting, meeting.masks, enter);
+            let mut leaf = &self.leaves[block * LANES + number % LANES];
+            let mut left = meeting.may[0] | meeting.may[1] << LANES;
+            // It may be where the ray begins: few rays begin on a surface, or nearly all of them do.
+            while spot.tau - spot.blur <= course.range[0]
+                && leaf.misses(Best(simd), &self.curves, course, spot)
+            {
+                left &= !(1 << number);
+                if left == 0 {
+                    break;
                 }
+                let masks = [left & 0xff, left >> LANES]
+                    .map(|half| mask32x8::from_bitmask(simd, u64::from(half)));
+                (number, spot, other) =
+                    Spots::nearest(simd, &self.blocks[block], &meeting, masks, enter);
+                leaf = &self.leaves[block * LANES + number % LANES];
+            }
+            if left == 0 {
+                stop = way.next::<_, true>(simd, self, end)?;
+                continue;
+            }
+            if let Some(hit) = leaf.quick(Best(simd), &self.curves, course, spot)
+                && hit.tau < other
+            {
+                let piece = leaf.piece();
+                if way.is_over(simd, hit.tau) {
+                    return Some(Hit { t: hit.tau + course.shift, piece, s: hit.s });
+                }
+                end = lesser(end, hit.tau);
+                nearest.consider(hit.tau, hit.s, piece, hit.margin);
+                stop = match way.next::<_, true>(simd, self, end) {
+                    Some(stop) => stop,
+                    None => return nearest.hit(course),
+                };
             }
             break;
         }
