@@ -413,7 +413,7 @@ impl Tracer<'_> {
         if always.is_black() && free.is_black() {
             return Rgb::BLACK;
         }
-        let ray = place.surface.spawn(incoming.direction).with_range(0.0, incoming.distance);
+        let ray = incoming.sight(&place.surface.footing());
         self.statistics.shadow_rays += 1;
         let passed = self.world.transmittance(&ray);
         if passed == Rgb::WHITE {

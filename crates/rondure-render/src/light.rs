@@ -3,7 +3,9 @@
 use core::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-use rondure::{AreaSampler, Instance, Interaction, Ray, SurfaceSample, Vec3, numeric::gamma};
+use rondure::{
+    AreaSampler, Footing, Instance, Interaction, Ray, SurfaceSample, Vec3, numeric::gamma,
+};
 use rondure_scene::{Light, Sky};
 
 use crate::{
@@ -104,6 +106,25 @@ pub(crate) struct Incoming {
     /// The density of the direction by solid angle, of a light whose body can be seen; infinite
     /// for the others.
     pub(crate) pdf: f64,
+}
+
+impl Incoming {
+    /// The ray to the source from the place that it was looked for from. It begins off the surface there, and so ends at the same point of
+    /// the source that was meant: with the direction and the distance from the surface it would end behind it, and the source hide itself.
+    #[inline]
+    pub(crate) fn sight(&self, from: &Footing) -> Ray {
+        let ray = from.spawn(self.direction);
+        if self.distance == f64::INFINITY {
+            return ray;
+        }
+        let to = from.point + self.direction * self.distance - ray.origin;
+        let length = to.length();
+        if length > 0.0 {
+            Ray::new(ray.origin, to / length).with_range(0.0, length)
+        } else {
+            ray.with_range(0.0, 0.0)
+        }
+    }
 }
 
 impl Lamp {

@@ -7,9 +7,9 @@ mod common;
 
 use std::{f64::consts::PI, sync::Arc};
 
-use common::{Build, at, matte, scene};
+use common::{Build, at, matte, mean, scene};
 use rondure::{Affine, Instance, Profile, Surface, Vec3};
-use rondure_scene::{Light, Projection, Shape};
+use rondure_scene::{Integrator, Light, Projection, Shape};
 
 fn sphere(center: Vec3, radius: f64) -> Shape {
     Shape::Sphere { center, radius }
@@ -54,5 +54,34 @@ fn balls_show_the_cosine_law_at_any_size() {
                 }
             }
         }
+    }
+}
+
+/// Rays leave a large surface farther from where it was hit than from a small one, and are so much nearer to a lamp, which must not
+/// hide itself for that. A turned floor, large beside the way to the lamp, is lit as a flat shape is.
+#[test]
+fn a_lamp_does_not_hide_itself_from_a_large_surface() {
+    let eye = Vec3::new(0.3, 0.2, 6.0);
+    let lamp = Light::Disk {
+        center: Vec3::new(0.0, 0.0, 2.0),
+        normal: Vec3::new(0.0, 0.0, -1.0),
+        radius: 0.5,
+        radiance: [4.0; 3],
+    };
+    let profile = Profile::from_path_data("M 0 0 L 1000 0 L 1000 1000").unwrap();
+    let floor = Instance::new(Arc::new(Surface::new(&profile)), Affine::IDENTITY).unwrap();
+    let turned = Shape::Turned(floor);
+    let flat = Shape::Plane { point: Vec3::ZERO, normal: Vec3::Z };
+    for integrator in [Integrator::Path, Integrator::Whitted] {
+        let [a, b] = [&turned, &flat].map(|shape| {
+            let aim = Vec3::new(0.3, 0.21, 0.0);
+            let mut scene = scene(24, 16, eye, aim, Projection::Orthographic { height: 4.0 })
+                .with(shape.clone(), matte(0.5))
+                .lit(lamp.clone());
+            scene.film.integrator = integrator;
+            scene.film.depth = 1;
+            mean(&scene.shoot())
+        });
+        assert!(b > 0.05 && (a - b).abs() < 0.01 * b, "{integrator:?}: {a} {b}");
     }
 }

@@ -367,7 +367,7 @@ impl Tracer<'_> {
         if seen.is_black() {
             return Rgb::BLACK;
         }
-        let ray = vertex.surface.spawn(incoming.direction).with_range(0.0, incoming.distance);
+        let ray = incoming.sight(&vertex.surface);
         self.statistics.shadow_rays += 1;
         if self.world.is_occluded(&ray) {
             return Rgb::BLACK;
