@@ -214,7 +214,6 @@ fn scenes() {
     show(&mut gallery, &desk, "rendering no file", "render none.toml", 1);
     show(&mut gallery, &desk, "no scene", "render", 2);
     show(&mut gallery, &desk, "size without a height", "render scene.toml --size 800", 2);
-    show(&mut gallery, &desk, "no integrator", "render scene.toml --integrator photons", 2);
     show(&mut gallery, &desk, "no samples", "render scene.toml --spp 0", 2);
     show(&mut gallery, &desk, "negative seed", "render scene.toml --seed=-1", 2);
     assert!(!desk.path("scene.png").exists());
