@@ -1,5 +1,8 @@
 """The same three scenes by Rondure and by Mitsuba 3: how far the pictures differ, and how many samples a second each takes.
 
+Rondure races twice: as it makes pictures, with photons and branches (`path`), and by the estimator of Mitsuba's integrator `path`, a
+single path for each sample (`reference`).
+
 Pictures are compared by blocks of 8 x 8 pixels, without those that a silhouette passes. Two pictures of each, with other random
 numbers, tell the difference without the noise: the mean of d1 d2, with d of one pair and of the other, has none."""
 
@@ -19,6 +22,7 @@ from scene import load
 
 HERE = Path(__file__).parent
 BLOCK = 8
+WAYS = ["path", "reference"]
 
 
 def main():
@@ -45,10 +49,10 @@ def main():
             race(name, args, noise)
 
 
-def rondure(name, args, spp, seed, out):
+def rondure(name, args, way, spp, seed, out):
     """Renders and returns the processor time of it all, in seconds."""
     command = [args.binaries / "rondure", "render", HERE / f"{name}.toml", "-o", out, "--spp", spp]
-    command += ["--seed", seed, "--threads", 1, "--quiet"]
+    command += ["--integrator", way, "--seed", seed, "--threads", 1, "--quiet"]
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     subprocess.run([str(c) for c in command], check=True)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -87,31 +91,33 @@ def pick(args):
 
 
 def oracle(name, args):
-    ours = []
-    for seed in (0, 1):
-        out = args.work / f"{name}-{seed}.exr"
-        rondure(name, args, args.spp, seed, out)
+    files = {(way, seed): args.work / f"{name}-{way}-{seed}.exr" for way in WAYS for seed in (0, 1)}
+    for (way, seed), out in files.items():
+        rondure(name, args, way, args.spp, seed, out)
     scene, _ = prepare(name, args, pick(args))
     theirs = [np.array(mi.render(scene, spp=args.spp, seed=seed)) for seed in (0, 1)]
-    for seed in (0, 1):
-        light, objects = layers(args.work / f"{name}-{seed}.exr")
-        ours.append(light)
+    # Not before Mitsuba has a variant.
+    pictures = {key: layers(path) for key, path in files.items()}
+    objects = pictures["path", 0][1]
+    by_way = {way: [pictures[way, seed][0] for seed in (0, 1)] for way in WAYS}
+    ours = by_way["path"]
     same = blocks(objects)
     inner = same.min(axis=(1, 3, 4)) == same.max(axis=(1, 3, 4))
-    means = [blocks(p).mean(axis=(1, 3))[inner] for p in ours + theirs]
-    d = [means[i] - means[i + 2] for i in (0, 1)]
-    level = 0.5 * (means[2] + means[3])
-    # Relative to each block, but no smaller a light than a hundredth of the picture's counts as one.
-    scale = np.maximum(level, 0.01 * level.mean())
-    difference = np.sqrt(max(0.0, float(np.mean(d[0] * d[1] / scale**2))))
-    mean = float(sum(ours).mean() / sum(theirs).mean() - 1)
-    inside = float((d[0] + d[1]).mean() / (2 * level.mean()))
-    print(
-        f"{name}: {int(inner.sum())} blocks of {inner.size}; mean light {inside:+.3%} there, {mean:+.3%} in the whole"
-        f" picture; difference of a block {difference:.3%} (root mean square, noise taken out)"
-    )
-    noise = [relative_noise(*pair) for pair in (ours, theirs)]
-    print(f"{name}: noise (relative variance) of one sample: Rondure {noise[0] * args.spp:.4f}, Mitsuba {noise[1] * args.spp:.4f}")
+    for way, pair in by_way.items():
+        means = [blocks(p).mean(axis=(1, 3))[inner] for p in pair + theirs]
+        d = [means[i] - means[i + 2] for i in (0, 1)]
+        level = 0.5 * (means[2] + means[3])
+        # Relative to each block, but no smaller a light than a hundredth of the picture's counts as one.
+        scale = np.maximum(level, 0.01 * level.mean())
+        difference = np.sqrt(max(0.0, float(np.mean(d[0] * d[1] / scale**2))))
+        mean = float(sum(pair).mean() / sum(theirs).mean() - 1)
+        inside = float((d[0] + d[1]).mean() / (2 * level.mean()))
+        print(
+            f"{name}: {way}: {int(inner.sum())} blocks of {inner.size}; mean light {inside:+.3%} there, {mean:+.3%} in the whole"
+            f" picture; difference of a block {difference:.3%} (root mean square, noise taken out)"
+        )
+    noise = {who: relative_noise(*pair) for who, pair in {**by_way, "mitsuba": theirs}.items()}
+    print(f"{name}: noise (relative variance) of one sample: " + ", ".join(f"{who} {n * args.spp:.4f}" for who, n in noise.items()))
     if args.pictures:
         both = np.concatenate([0.5 * sum(ours), 0.5 * sum(theirs)], axis=1)
         srgb = np.where(both <= 0.0031308, 12.92 * both, 1.055 * np.maximum(both, 1e-9) ** (1 / 2.4) - 0.055)
@@ -139,9 +145,10 @@ def race(name, args, noise):
             print(f"{variant} does not run: {error}")
             scenes.pop(variant, None)
     samples = film["size"][0] * film["size"][1] * args.race_spp
-    times = {"rondure": [], **{v: [] for v in scenes}}
+    times = {who: [] for who in [*WAYS, *scenes]}
     for i in range(args.rounds):
-        times["rondure"].append(rondure(name, args, args.race_spp, i, out))
+        for way in WAYS:
+            times[way].append(rondure(name, args, way, args.race_spp, i, out))
         for variant, scene in scenes.items():
             mi.set_variant(variant)
             start = time.process_time()
@@ -150,11 +157,12 @@ def race(name, args, noise):
     rates = {who: samples / statistics.median(t) for who, t in times.items() if t}
     for who, rate in rates.items():
         spread = f"{samples / max(times[who]) / 1e6:.3f} to {samples / min(times[who]) / 1e6:.3f}"
-        ratio = ""
-        if who != "rondure":
-            fast = rates["rondure"] / rate
-            ratio = f": Rondure is {fast:.2f} times as fast, and {fast * noise[1] / noise[0]:.2f} times to the same noise"
-        print(f"{name}: {who} {rate / 1e6:.3f} million samples a second ({spread}){ratio}")
+        print(f"{name}: {who} {rate / 1e6:.3f} million samples a second ({spread})")
+    for variant in scenes:
+        for way in WAYS:
+            fast = rates[way] / rates[variant]
+            quiet = fast * noise["mitsuba"] / noise[way]
+            print(f"{name}: {way} is {fast:.2f} times as fast as {variant}, and {quiet:.2f} times to the same noise")
 
 
 if __name__ == "__main__":

@@ -28,8 +28,8 @@ pub(crate) struct SceneArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     spp: Option<u32>,
 
-    /// How to follow light, instead of as the scene says: on all its ways, or for a quick look
-    #[arg(long, value_name = "path|whitted", value_parser = integrator)]
+    /// How to follow light, instead of as the scene says: on all its ways, the same without photons and branches, or for a quick look
+    #[arg(long, value_name = "path|reference|whitted", value_parser = integrator)]
     integrator: Option<Integrator>,
 
     #[command(flatten)]
@@ -51,11 +51,8 @@ pub(crate) struct SceneArgs {
 }
 
 fn integrator(name: &str) -> Result<Integrator, &'static str> {
-    match name {
-        "path" => Ok(Integrator::Path),
-        "whitted" => Ok(Integrator::Whitted),
-        _ => Err("there are `path` and `whitted`"),
-    }
+    let found = Integrator::ALL.iter().find(|(known, _)| *known == name);
+    found.map(|(_, integrator)| *integrator).ok_or("there are `path`, `reference` and `whitted`")
 }
 
 /// Pixels across and down.

@@ -46,24 +46,16 @@ impl<const LIMBS: usize, const FRACTION: u32> Sum<LIMBS, FRACTION> {
         };
         let limb = (shift / 64) as usize;
         debug_assert!(limb < LIMBS, "{value} is beyond the range of the sum");
-        let wide = u128::from(steps) << (shift % 64);
-        let parts = [wide as u64, (wide >> 64) as u64];
-        if bits >> 63 == 0 {
-            let mut carry = false;
-            for (i, to) in self.0.iter_mut().enumerate().skip(limb) {
-                let part = parts.get(i - limb).copied().unwrap_or(0);
-                let (sum, a) = to.overflowing_add(part);
-                let (sum, b) = sum.overflowing_add(u64::from(carry));
-                (*to, carry) = (sum, a | b);
-            }
-        } else {
-            let mut borrow = false;
-            for (i, to) in self.0.iter_mut().enumerate().skip(limb) {
-                let part = parts.get(i - limb).copied().unwrap_or(0);
-                let (rest, a) = to.overflowing_sub(part);
-                let (rest, b) = rest.overflowing_sub(u64::from(borrow));
-                (*to, borrow) = (rest, a | b);
-            }
+        let low = steps << (shift % 64);
+        let high = steps >> 1 >> (63 - shift % 64);
+        // All limbs in one run without branches: in two's complement -x is !x + 1.
+        let negative = (bits as i64 >> 63) as u64;
+        let mut carry = negative & 1 == 1;
+        for (i, to) in self.0.iter_mut().enumerate() {
+            let part = if i == limb { low } else { 0 } | if i == limb + 1 { high } else { 0 };
+            let (sum, a) = to.overflowing_add(part ^ negative);
+            let (sum, b) = sum.overflowing_add(u64::from(carry));
+            (*to, carry) = (sum, a | b);
         }
     }
 

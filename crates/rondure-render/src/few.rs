@@ -3,7 +3,7 @@
 
 use rondure::{Bounds, Ray, Vec3, numeric::gamma};
 
-use crate::things::Things;
+use crate::{shape::Flats, things::Things};
 
 /// The most things in a list.
 const MOST: usize = 16;
@@ -11,6 +11,8 @@ const MOST: usize = 16;
 /// A list of few things.
 #[derive(Clone, Debug)]
 pub(crate) struct Few {
+    flats: Flats,
+    /// What else is solved in place.
     simple: Vec<u32>,
     turned: Vec<Ball>,
 }
@@ -31,13 +33,22 @@ impl Few {
             return None;
         }
         let (turned, all) = (things.turned.len() as u32, things.len() as u32);
+        let (flats, simple) = Flats::of((turned..all).zip(&things.simple));
         Some(Self {
-            simple: (turned..all).collect(),
+            flats,
+            simple,
             turned: (0..turned).map(|thing| Ball::new(thing, &things.bounds(thing))).collect(),
         })
     }
 
-    /// Visits what the ray may meet in its range. `visit` returns up to which t the search goes on; minus infinity stops.
+    /// The rectangles and planes, which [`walk`](Self::walk) leaves out.
+    #[inline(always)]
+    pub(crate) fn flats(&self) -> &Flats {
+        &self.flats
+    }
+
+    /// Visits what else the ray may meet in its range. `visit` returns up to which t the search goes on; minus infinity
+    /// stops.
     #[inline(always)]
     pub(crate) fn walk(&self, ray: &Ray, mut visit: impl FnMut(u32) -> f64) {
         let mut end = ray.t_max;

@@ -74,6 +74,9 @@ impl Filter {
     /// The offset from the middle of the pixel, in pixels, for a number between 0 and 1, and whether the filter is negative there.
     #[inline]
     pub(crate) fn offset(&self, u: f64) -> (f64, bool) {
+        if self.kind == FilterKind::Box {
+            return ((2.0 * u - 1.0) * self.radius, false);
+        }
         let place = u * STEPS as f64;
         let i = (place as usize).min(STEPS - 1);
         let (a, b) = (self.inverse[i], self.inverse[i + 1]);

@@ -76,7 +76,7 @@ impl<'a> Job<'a> {
         let world = World::new(scene)?;
         let aim = match film.integrator {
             Integrator::Path => Aim::new(&world),
-            Integrator::Whitted => None,
+            Integrator::Reference | Integrator::Whitted => None,
         };
         Ok(Self {
             world,
@@ -155,6 +155,7 @@ impl<'a> Job<'a> {
         }
         let mut film = Film::new(self.size(), tile, self.layers)?;
         let mut statistics = Statistics::default();
+        let mut tracer = self.tracer(prepared);
         for y in tile.y..tile.y + tile.height {
             if progress.is_cancelled() {
                 return Err(RenderError::Cancelled);
@@ -164,20 +165,33 @@ impl<'a> Job<'a> {
                     film.set_center(x, y, features::center(&self.world, &self.view, x, y));
                 }
                 for index in samples.clone() {
-                    match self.sample(prepared, x, y, index, &mut statistics) {
+                    match self.sample(tracer.as_mut(), x, y, index, &mut statistics) {
                         Some(sample) if film.add(x, y, &sample) => {}
                         _ => statistics.invalid_samples += 1,
                     }
                 }
             }
         }
+        if let Some(tracer) = tracer {
+            statistics.add(&tracer.statistics);
+        }
         Ok(TileSums { film, statistics })
+    }
+
+    /// What follows paths, unless the integrator is Whitted's.
+    fn tracer<'b>(&'b self, prepared: &'b Prepared) -> Option<path::Tracer<'b>> {
+        let film = &self.scene.film;
+        let depth = film.depth.min(MAX_DEPTH);
+        let branches = film.integrator == Integrator::Path;
+        let photons = prepared.photons.as_ref();
+        (film.integrator != Integrator::Whitted)
+            .then(|| path::Tracer::new(&self.world, photons, depth, branches))
     }
 
     /// One sample of one pixel; `None` if it is not an amount of light.
     fn sample(
         &self,
-        prepared: &Prepared,
+        tracer: Option<&mut path::Tracer<'_>>,
         x: u32,
         y: u32,
         index: u32,
@@ -190,25 +204,12 @@ impl<'a> Job<'a> {
         let ((across, a), (down, b)) = (self.filter.offset(u), self.filter.offset(v));
         let (x, y) = (f64::from(x) + 0.5 + across, f64::from(y) + 0.5 + down);
         let ray = self.view.ray(x, y, lens);
-        let depth = film.depth.min(MAX_DEPTH);
-        let light = match film.integrator {
-            Integrator::Path => {
-                let mut tracer = path::Tracer {
-                    world: &self.world,
-                    photons: prepared.photons.as_ref(),
-                    depth,
-                    sample,
-                    statistics: Statistics::default(),
-                    weighting: path::Weighting::default(),
-                };
-                let light = tracer.camera_ray(&ray);
-                statistics.add(&tracer.statistics);
-                light
-            }
-            Integrator::Whitted => {
+        let light = match tracer {
+            Some(tracer) => tracer.camera_ray(sample, &ray),
+            None => {
                 let mut tracer = Tracer {
                     world: &self.world,
-                    depth,
+                    depth: film.depth.min(MAX_DEPTH),
                     sample,
                     split_bits: split_bits(film.spp),
                     statistics: Statistics::default(),

@@ -199,17 +199,15 @@ impl Lamp {
                 let (x, y) = warp::disk(u);
                 let target = center + frame.to_world(Vec3::new(x * radius, y * radius, 0.0));
                 let to_light = target - at;
-                let distance = to_light.length();
-                let direction = to_light / distance;
-                let pdf = self.pdf(at, direction, distance);
-                if !(pdf > 0.0) {
-                    return None;
-                }
-                Some(Incoming {
+                let distance2 = to_light.length_squared();
+                let distance = distance2.sqrt();
+                let direction = to_light * (1.0 / distance);
+                let solid_angle = -frame.to_local(direction).z * (PI * radius * radius) / distance2;
+                (solid_angle > 0.0).then(|| Incoming {
                     direction,
                     distance: before(distance, target, at),
-                    light: radiance / pdf,
-                    pdf,
+                    light: radiance * solid_angle,
+                    pdf: 1.0 / solid_angle,
                 })
             }
             Self::Sphere { center, radius, radiance } => {

@@ -28,7 +28,7 @@ pub(crate) struct Optics {
 #[derive(Clone, Debug)]
 pub(crate) struct Medium {
     /// The absorption coefficient by channel, per scene unit.
-    pub(crate) absorption: Rgb,
+    absorption: Rgb,
     ior: f64,
     dispersion: Option<Dispersion>,
     pub(crate) roughness: Option<Roughness>,
@@ -55,6 +55,16 @@ impl Medium {
             (Some(dispersion), Some(wavelength)) => dispersion.ior(wavelength),
             _ => self.ior,
         }
+    }
+
+    /// What is left of light after a way in it.
+    #[inline]
+    pub(crate) fn faded(&self, light: Rgb, distance: f64) -> Rgb {
+        // The exponential takes as long as a quarter of a ray.
+        if self.absorption.is_black() {
+            return light;
+        }
+        light * self.absorption.map(|a| (-a * distance).exp())
     }
 
     pub(crate) fn is_dispersive(&self) -> bool {

@@ -83,7 +83,7 @@ impl Things {
     pub(crate) fn footing(&self, thing: u32, ray: &Ray, hit: &Hit) -> Footing {
         match self.at(thing) {
             Thing::Turned(i) => self.turned.footing(i, ray, hit),
-            Thing::Simple(shape) => shape.interaction(ray, hit).footing(),
+            Thing::Simple(shape) => shape.footing(ray, hit),
         }
     }
 

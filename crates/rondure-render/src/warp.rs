@@ -38,15 +38,12 @@ pub(crate) fn disk((u, v): (f64, f64)) -> (f64, f64) {
     if a == 0.0 && b == 0.0 {
         return (0.0, 0.0);
     }
-    let (radius, angle) =
-        if a.abs() > b.abs() { (a, FRAC_PI_4 * (b / a)) } else { (b, FRAC_PI_4 * (a / b)) };
-    let (sin, cos) = if a.abs() > b.abs() {
-        sin_cos_small(angle)
-    } else {
-        let (cos, sin) = sin_cos_small(angle);
-        (sin, cos)
-    };
-    (radius * cos, radius * sin)
+    // Choices between numbers, no branches: half of them would be guessed wrong.
+    let steep = a.abs() <= b.abs();
+    let (radius, other) = if steep { (b, a) } else { (a, b) };
+    let (sin, cos) = sin_cos_small(FRAC_PI_4 * (other / radius));
+    let (along, across) = (radius * cos, radius * sin);
+    if steep { (across, along) } else { (along, across) }
 }
 
 /// Sine and cosine of `u` turns, `u` from 0 to 1.
@@ -54,12 +51,10 @@ pub(crate) fn disk((u, v): (f64, f64)) -> (f64, f64) {
 pub(crate) fn sin_cos_turn(u: f64) -> (f64, f64) {
     let quarters = (4.0 * u + 0.5) as u32;
     let (sin, cos) = sin_cos_small(TAU * (u - 0.25 * f64::from(quarters)));
-    match quarters & 3 {
-        0 => (sin, cos),
-        1 => (cos, -sin),
-        2 => (-sin, -cos),
-        _ => (-cos, sin),
-    }
+    // No branches: most of them would be guessed wrong.
+    let (s, c) = if quarters & 1 == 1 { (cos, sin) } else { (sin, cos) };
+    let signed = |x: f64, bit: u32| f64::from_bits(x.to_bits() ^ u64::from(bit & 2) << 62);
+    (signed(s, quarters), signed(c, quarters + 1))
 }
 
 /// The coefficients of the series of sin x / x and cos x in x^2.

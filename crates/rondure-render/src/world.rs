@@ -156,7 +156,7 @@ impl World {
         let (blocking, passing) = (tree(true)?, tree(false)?);
         let mut lamps: Vec<_> = scene.lights.iter().map(Lamp::new).collect();
         let mut shining = HashMap::new();
-        if scene.film.integrator == Integrator::Path {
+        if scene.film.integrator != Integrator::Whitted {
             for thing in 0..things.turned.len() as u32 {
                 let Role::Surface { finish, .. } = roles[role_of[thing as usize] as usize] else {
                     continue;
@@ -324,10 +324,14 @@ impl World {
         self.optics.iter().any(Optics::is_wide)
     }
 
-    /// One of the lamps for a place, in proportion to how much each may light it, and its probability.
-    pub(crate) fn choose_lamp(&self, at: Vec3, choice: f64) -> Option<(usize, f64)> {
+    /// One of the lamps for a place, in proportion to how much each may light it, and its probability. `choice` makes a number
+    /// between 0 and 1.
+    pub(crate) fn choose_lamp(&self, at: Vec3, choice: impl Fn() -> f64) -> Option<(usize, f64)> {
+        if self.lamps.len() <= 1 {
+            return (!self.lamps.is_empty()).then_some((0, 1.0));
+        }
         let sum: f64 = self.lamps.iter().map(|lamp| lamp.importance(at)).sum();
-        let mut left = choice * sum;
+        let mut left = choice() * sum;
         let mut last = None;
         for (i, lamp) in self.lamps.iter().enumerate() {
             let importance = lamp.importance(at);
@@ -344,6 +348,9 @@ impl World {
 
     /// The probability with which [`choose_lamp`](Self::choose_lamp) finds a lamp.
     pub(crate) fn lamp_share(&self, at: Vec3, lamp: usize) -> f64 {
+        if self.lamps.len() == 1 {
+            return 1.0;
+        }
         let sum: f64 = self.lamps.iter().map(|lamp| lamp.importance(at)).sum();
         if sum > 0.0 { self.lamps[lamp].importance(at) / sum } else { 0.0 }
     }
@@ -388,6 +395,13 @@ impl World {
     pub(crate) fn closest(&self, ray: &Ray) -> Option<Contact> {
         let mut best: Option<(u32, Hit)> = None;
         let mut shortened = *ray;
+        if let Some(few) = &self.few
+            && let Some((thing, t)) = few.flats().closest(ray)
+        {
+            best = Some((thing, Hit { t, piece: 0, s: 0.0 }));
+            shortened.t_max = t;
+        }
+        let start = shortened;
         let mut visit = |thing| {
             if let Some(hit) = self.things.closest(thing, &shortened) {
                 if best.is_none_or(|best| hit.t < best.1.t || thing < best.0) {
@@ -398,7 +412,7 @@ impl World {
             shortened.t_max
         };
         match &self.few {
-            Some(few) => few.walk(ray, visit),
+            Some(few) => few.walk(&start, visit),
             None => {
                 let mut cut = *ray;
                 for tree in [&self.blocking, &self.passing] {
@@ -423,6 +437,9 @@ impl World {
     /// Whether anything at all stands in the ray's range, lamps and clear glass among them.
     #[inline]
     pub(crate) fn is_occluded(&self, ray: &Ray) -> bool {
+        if self.few.as_ref().is_some_and(|few| few.flats().any(ray)) {
+            return true;
+        }
         let mut found = false;
         let mut visit = |thing| {
             found = self.things.any(thing, ray);

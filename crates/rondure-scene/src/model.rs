@@ -170,8 +170,17 @@ pub enum Integrator {
     /// All ways that light can go: paths from the eye, and photons from the lamps for caustics.
     #[default]
     Path,
+    /// The same by paths alone, none of which branches: without bias at any number of samples, but what comes from lamps by mirrors and
+    /// glass, caustics, is found by chance, as sparks. For tests, and beside other renderers.
+    Reference,
     /// Lights and their shadows, mirror images, and glass, for quick looks (Whitted 1980).
     Whitted,
+}
+
+impl Integrator {
+    /// All of them, with the names they have in scenes.
+    pub const ALL: [(&'static str, Self); 3] =
+        [("path", Self::Path), ("reference", Self::Reference), ("whitted", Self::Whitted)];
 }
 
 /// The point of view.

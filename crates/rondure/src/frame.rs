@@ -17,8 +17,18 @@ pub(crate) struct Frame {
     radius2: f64,
     /// Twice the square root of that.
     reach: f64,
-    /// The rows of the linear map from the world to the surface; `None` for the identity.
-    inverse: Option<[Vec3; 3]>,
+    turn: Turn,
+}
+
+/// The linear map from the world to a surface.
+#[derive(Clone, Copy, Debug)]
+enum Turn {
+    /// None: the surface stands where it was built.
+    Unplaced,
+    /// None, but the surface was moved.
+    Moved,
+    /// By its rows.
+    Rows([Vec3; 3]),
 }
 
 /// A ray as the surface sees it: relative to its centre, from nearby, and with a direction whose
@@ -54,7 +64,12 @@ impl Frame {
     /// and no point is farther from there than `radius`.
     pub(crate) fn unplaced(center_z: f64, radius: f64) -> Self {
         let center = Vec3::new(0.0, 0.0, center_z);
-        Self { center, radius2: grown(radius * radius), reach: 2.0 * grown(radius), inverse: None }
+        Self {
+            center,
+            radius2: grown(radius * radius),
+            reach: 2.0 * grown(radius),
+            turn: Turn::Unplaced,
+        }
     }
 
     /// The same surface placed in the world; `None` if the placement has no finite inverse.
@@ -67,14 +82,41 @@ impl Frame {
             center,
             radius2,
             reach: 2.0 * grown(stretch * radius),
-            inverse: Some(inverse),
+            turn: if inverse == Affine::IDENTITY.columns {
+                Turn::Moved
+            } else {
+                Turn::Rows(inverse)
+            },
         })
     }
 
-    /// The rows of the linear map from the world to the surface; `None` for the identity.
+    /// The rows of the linear map from the world to the surface; `None` if that was not placed.
     #[inline]
     pub(crate) fn inverse(&self) -> Option<&[Vec3; 3]> {
-        self.inverse.as_ref()
+        match &self.turn {
+            Turn::Unplaced => None,
+            Turn::Moved => Some(&Affine::IDENTITY.columns),
+            Turn::Rows(rows) => Some(rows),
+        }
+    }
+
+    /// A unit normal of the surface, in the world.
+    #[inline]
+    pub(crate) fn normal(&self, own: Vec3) -> Vec3 {
+        match &self.turn {
+            Turn::Unplaced | Turn::Moved => own,
+            Turn::Rows(rows) => turned_back(rows, own),
+        }
+    }
+
+    /// A point of the surface in the world, where `placement` put it.
+    #[inline]
+    pub(crate) fn point(&self, placement: &Affine, own: Vec3) -> Vec3 {
+        match &self.turn {
+            Turn::Unplaced => own,
+            Turn::Moved => own + placement.translation,
+            Turn::Rows(_) => placement.point(own),
+        }
     }
 
     /// The height of the surface's centre, in the world.
@@ -93,9 +135,9 @@ impl Frame {
     /// A direction as the surface sees it.
     #[inline(always)]
     pub(crate) fn turned(&self, v: Vec3) -> Vec3 {
-        match &self.inverse {
-            None => v,
-            Some(rows) => Vec3::new(rows[0].dot(v), rows[1].dot(v), rows[2].dot(v)),
+        match &self.turn {
+            Turn::Unplaced | Turn::Moved => v,
+            Turn::Rows(rows) => Vec3::new(rows[0].dot(v), rows[1].dot(v), rows[2].dot(v)),
         }
     }
 
@@ -103,9 +145,8 @@ impl Frame {
     #[inline(always)]
     pub(crate) fn turned_size(&self, ray: &Ray) -> [f64; 2] {
         let (o, d) = ((ray.origin - self.center).abs(), ray.direction.abs());
-        let Some([x, y, z]) = self.inverse.as_ref().map(|rows| rows.map(Vec3::abs)) else {
-            return [o.max_abs(), d.max_abs()];
-        };
+        let Turn::Rows(rows) = &self.turn else { return [o.max_abs(), d.max_abs()] };
+        let [x, y, z] = rows.map(Vec3::abs);
         let most = |v: Vec3| x.dot(v).max(y.dot(v)).max(z.dot(v));
         [most(o), most(d)]
     }
@@ -169,7 +210,7 @@ impl Frame {
 
         let mut unit = 1.0;
         let mut local = (origin, direction);
-        if let Some(rows) = &self.inverse {
+        if let Some(rows) = self.inverse() {
             let apply = |v: Vec3| Vec3::new(rows[0].dot(v), rows[1].dot(v), rows[2].dot(v));
             let own = apply(direction);
             unit = reciprocal_power_of_two(own.max_abs());
@@ -178,6 +219,12 @@ impl Frame {
         let (origin, direction) = local;
         Some(LocalRay { origin, direction, range: [lo / unit, hi / unit], shift, unit, scale })
     }
+}
+
+/// A unit normal turned by the transpose of the inverse, whose rows these are.
+#[inline]
+pub(crate) fn turned_back(rows: &[Vec3; 3], own: Vec3) -> Vec3 {
+    (rows[0] * own.x + rows[1] * own.y + rows[2] * own.z).normalized()
 }
 
 /// A squared radius with room for rounding on both sides of the comparison.

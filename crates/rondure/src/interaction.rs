@@ -2,7 +2,7 @@
 
 use core::f64::consts::TAU;
 
-use crate::frame::Frame;
+use crate::frame::{Frame, turned_back};
 use crate::meridian::Meridian;
 use crate::numeric::reciprocal_power_of_two;
 use crate::profile::Point;
@@ -73,44 +73,38 @@ struct Place {
     angle: [f64; 2],
 }
 
+/// From so many radii away t still is as exact as the place on the profile.
+const NEAR: f64 = 16.0;
+
 impl Place {
+    #[inline]
     fn of(surface: &Surface, frame: &Frame, ray: &Ray, hit: &Hit) -> Self {
         let (profile, tangent) = surface.profile_at(hit);
         // The hit lies on the circle of radius r exactly; the ray only tells in which direction.
-        let line = Ray { t_min: f64::NEG_INFINITY, t_max: f64::INFINITY, ..*ray };
-        let angle = frame.enter(&line).map_or([1.0, 0.0], |local| {
-            // From far away t is less exact than the place on the profile, which tells it anew.
-            let rough = local.local_t(hit.t);
-            let meridian = Meridian::new(local.origin, local.direction);
-            let [a, b] = [true, false].map(|above| meridian.t(profile.r, profile.z, above));
-            let t = if (a - rough).abs() <= (b - rough).abs() { a } else { b };
-            let p = local.origin + local.direction * t;
-            // Beside the axis the coordinates may be subnormal, and know few digits of a quotient.
-            let near_one = reciprocal_power_of_two(p.x.abs().max(p.y.abs()));
-            let (x, y) = (p.x * near_one, p.y * near_one);
-            let rho = x.hypot(y);
-            if rho > 0.0 { [x / rho, y / rho] } else { [1.0, 0.0] }
-        });
+        let [origin, direction] = frame.turn(ray);
+        let p = if origin.max_abs() <= NEAR * surface.radius {
+            Some(origin + direction * hit.t)
+        } else {
+            from_afar(frame, ray, profile, hit.t)
+        };
+        let angle = p.and_then(|p| unit_vector(p.x, p.y)).unwrap_or([1.0, 0.0]);
         Self::new((profile, tangent), angle)
     }
 
     /// From the point of the profile, the derivative there by any parameter, and the angle's cosine and
     /// sine.
     fn new((profile, tangent): (Point, Point), angle: [f64; 2]) -> Self {
-        let speed = tangent.length();
-        Self { profile, tangent: Point::new(tangent.r / speed, tangent.z / speed), angle }
+        let [r, z] = unit_vector(tangent.r, tangent.z).unwrap_or([f64::NAN; 2]);
+        Self { profile, tangent: Point::new(r, z), angle }
     }
 
-    /// The unit normal in the world, on the side that `sense` tells (see [`Detail`]).
+    /// The unit normal in the surface's own frame, on the side that `sense` tells (see [`Detail`]).
     ///
     /// [`Detail`]: crate::surface::Detail
-    fn normal(&self, inverse: Option<&[Vec3; 3]>, sense: f64) -> Vec3 {
+    #[inline]
+    fn normal(&self, sense: f64) -> Vec3 {
         let ([cos, sin], Point { r: dr, z: dz }) = (self.angle, self.tangent);
-        let own = Vec3::new(dz * cos, dz * sin, -dr) * sense;
-        match inverse {
-            Some(rows) => (rows[0] * own.x + rows[1] * own.y + rows[2] * own.z).normalized(),
-            None => own,
-        }
+        Vec3::new(dz * cos, dz * sin, -dr) * sense
     }
 
     fn interaction(
@@ -122,7 +116,8 @@ impl Place {
         hit: &Hit,
     ) -> Interaction {
         let (curve, detail, s) = surface.curve_at(hit);
-        let normal = self.normal(inverse, detail.sense);
+        let normal = self.normal(detail.sense);
+        let normal = inverse.map_or(normal, |rows| turned_back(rows, normal));
         let ([cos, sin], Point { r: dr, z: dz }) = (self.angle, self.tangent);
         let (r, z) = (self.profile.r, self.profile.z + surface.center_z);
         let turn = sin.atan2(cos) / TAU;
@@ -140,10 +135,31 @@ impl Place {
     }
 }
 
+/// The vector of length 1 in the direction of (x, y); `None` of zero.
+#[inline]
+fn unit_vector(x: f64, y: f64) -> Option<[f64; 2]> {
+    // Where squares would vanish, or have few digits, or be too large: beside the axis, beside a handle of length zero.
+    let near_one = reciprocal_power_of_two(x.abs().max(y.abs()));
+    let (x, y) = (x * near_one, y * near_one);
+    let length = (x * x + y * y).sqrt();
+    (length > 0.0).then(|| [x / length, y / length])
+}
+
+/// Where a ray from far away hits: t is less exact than the place on the profile, which tells it anew.
+#[cold]
+fn from_afar(frame: &Frame, ray: &Ray, profile: Point, t: f64) -> Option<Vec3> {
+    let local = frame.enter(&ray.whole())?;
+    let rough = local.local_t(t);
+    let meridian = Meridian::new(local.origin, local.direction);
+    let [a, b] = [true, false].map(|above| meridian.t(profile.r, profile.z, above));
+    let t = if (a - rough).abs() <= (b - rough).abs() { a } else { b };
+    Some(local.origin + local.direction * t)
+}
+
 /// The normal alone at a hit of a surface that stands in `frame`.
 pub(crate) fn normal(surface: &Surface, frame: &Frame, ray: &Ray, hit: &Hit) -> Vec3 {
     let sense = surface.curve_at(hit).1.sense;
-    Place::of(surface, frame, ray, hit).normal(frame.inverse(), sense)
+    frame.normal(Place::of(surface, frame, ray, hit).normal(sense))
 }
 
 /// The interaction at a hit of a surface that stands in `frame`, where `placement` put it.
@@ -172,8 +188,8 @@ pub(crate) fn footing(
     let place = Place::of(surface, frame, ray, hit);
     let ([cos, sin], Point { r, z }) = (place.angle, place.profile);
     Footing {
-        point: placement.point(Vec3::new(r * cos, r * sin, z + surface.center_z)),
-        normal: place.normal(frame.inverse(), sense),
+        point: frame.point(placement, Vec3::new(r * cos, r * sin, z + surface.center_z)),
+        normal: frame.normal(place.normal(sense)),
         error: rounding,
     }
 }

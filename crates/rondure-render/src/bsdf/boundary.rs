@@ -36,13 +36,42 @@ impl Roughness {
     }
 }
 
-/// A boundary, seen from the side of the ray.
+/// A rough boundary, seen from the side of the ray.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Boundary<'a> {
     /// The indices of refraction before it and behind it.
     pub(crate) before: f64,
     pub(crate) behind: f64,
-    pub(crate) roughness: Option<&'a Roughness>,
+    pub(crate) roughness: &'a Roughness,
+}
+
+/// A smooth boundary, seen at a cosine from the side of the ray. It needs no frame.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Smooth {
+    pub(crate) reflectance: f64,
+    cos: f64,
+    /// The ratio of the indices, before over behind, and the cosine beyond.
+    eta: f64,
+    cos_t: f64,
+}
+
+impl Smooth {
+    #[inline]
+    pub(crate) fn new(before: f64, behind: f64, cos: f64) -> Self {
+        let (reflectance, cos_t) = fresnel::dielectric(cos, before, behind).unwrap_or((1.0, 0.0));
+        Self { reflectance, cos, eta: before / behind, cos_t }
+    }
+
+    /// A direction, and whether it leads to the other side; `normal` is that on the side of the ray, of the direction
+    /// `outgoing`.
+    #[inline]
+    pub(crate) fn sample(&self, normal: Vec3, outgoing: Vec3, choice: f64) -> (Vec3, bool) {
+        if choice < self.reflectance {
+            (normal * (2.0 * self.cos) - outgoing, false)
+        } else {
+            (normal * (self.eta * self.cos - self.cos_t) - outgoing * self.eta, true)
+        }
+    }
 }
 
 /// A microfacet.
@@ -84,7 +113,7 @@ impl Boundary<'_> {
     /// The microfacets and the tables of both sides, the viewer's first; for a boundary between glass and
     /// something else than air none is known, and a part of the light is lost.
     fn tables(&self) -> Option<(&Albedo, &Albedo)> {
-        let rough = self.roughness?;
+        let rough = self.roughness;
         let [air, glass] = &rough.sides;
         if self.before == 1.0 && self.behind == rough.ior {
             Some((air, glass))
@@ -103,9 +132,9 @@ impl Boundary<'_> {
         a / (a + b)
     }
 
-    /// What goes from `wi`, on either side, to `wo`. Smooth boundaries send nothing.
+    /// What goes from `wi`, on either side, to `wo`.
     pub(crate) fn evaluate(&self, wo: Vec3, wi: Vec3) -> Part {
-        let Some(Roughness { ggx, .. }) = self.roughness else { return Part::default() };
+        let ggx = self.roughness.ggx;
         if !(wo.z > 0.0) || wi.z == 0.0 {
             return Part::default();
         }
@@ -143,26 +172,9 @@ impl Boundary<'_> {
         Part { value: Rgb::splat(value), pdf }
     }
 
-    /// The part of the choices in [`sample`](Self::sample) that a smooth boundary reflects.
-    pub(crate) fn split(&self, cos: f64) -> Option<f64> {
-        let smooth = self.roughness.is_none();
-        smooth.then(|| {
-            Facet::new(Vec3::Z, Vec3::new(0.0, 0.0, cos), self.before, self.behind).reflectance
-        })
-    }
-
     /// A direction on either side.
     pub(crate) fn sample(&self, wo: Vec3, choice: f64, u: (f64, f64)) -> Option<Scatter> {
-        let Some(Roughness { ggx, .. }) = self.roughness else {
-            let facet = Facet::new(Vec3::Z, wo, self.before, self.behind);
-            let direction = if choice < facet.reflectance {
-                Vec3::new(-wo.x, -wo.y, wo.z)
-            } else {
-                facet.refracted(wo)?
-            };
-            let pdf = f64::INFINITY;
-            return Some(Scatter { direction, weight: Rgb::WHITE, pdf, kind: Kind::Narrow });
-        };
+        let ggx = self.roughness.ggx;
         let mut choice = choice;
         let mut even = None;
         if let Some((here, there)) = self.tables() {

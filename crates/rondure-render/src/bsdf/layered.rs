@@ -121,7 +121,13 @@ impl Layered {
         let white = |cos| (1.0 - metalness) * gloss.fresnel(cos) + metalness;
         let base = reflected(gloss.lobe, white, through);
         let all = Albedo::from_fn(|cos| fuzz_alone.get(cos) + coat.get(cos) + base.get(cos));
-        let metal_alone = reflected(gloss.lobe, |_| 1.0, |_, _| 1.0).mean();
+        // Tables take time: what is all metal has this one already, what is none needs none.
+        let is_bare = layers.coat.is_none() && layers.fuzz.is_none();
+        let metal_alone = if metalness == 0.0 || (metalness == 1.0 && is_bare) {
+            base.mean()
+        } else {
+            reflected(gloss.lobe, |_| 1.0, |_, _| 1.0).mean()
+        };
         let is_even = layers.fuzz.is_none()
             && layers.coat.is_none()
             && layers.coat_color == Rgb::WHITE

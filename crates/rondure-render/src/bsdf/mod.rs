@@ -23,7 +23,7 @@ mod tests;
 
 use rondure::Vec3;
 
-pub(crate) use boundary::{Boundary, Roughness};
+pub(crate) use boundary::{Boundary, Roughness, Smooth};
 pub(crate) use ggx::Ggx;
 pub(crate) use layered::{Facing, Fuzz, Gloss, Layered, Layers};
 pub(crate) use metal::Metal;

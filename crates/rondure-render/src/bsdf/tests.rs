@@ -65,8 +65,8 @@ fn opaque_surfaces_are_the_same_both_ways() {
 #[test]
 fn rough_boundaries_are_the_same_both_ways() {
     let roughness = Roughness::new(0.6, 1.5).unwrap();
-    let outside = Boundary { before: 1.0, behind: 1.5, roughness: Some(&roughness) };
-    let inside = Boundary { before: 1.5, behind: 1.0, roughness: Some(&roughness) };
+    let outside = Boundary { before: 1.0, behind: 1.5, roughness: &roughness };
+    let inside = Boundary { before: 1.5, behind: 1.0, roughness: &roughness };
     for (o, i, angle) in [(0.9_f64, 0.4_f64, 0.4), (0.3, 0.8, 2.5), (0.6, 0.95, 3.0)] {
         let (wo, wi) = (towards(o, 0.0), towards(i, angle));
         let there = outside.evaluate(wo, wi).value.r / i;
@@ -144,7 +144,7 @@ fn directions_have_their_density() {
     }
     let roughness = Roughness::new(0.6, 1.5).unwrap();
     for (before, behind) in [(1.0, 1.5), (1.5, 1.0)] {
-        let boundary = Boundary { before, behind, roughness: Some(&roughness) };
+        let boundary = Boundary { before, behind, roughness: &roughness };
         for cos in [0.9, 0.4] {
             let wo = towards(cos, 0.5);
             assert_density(

@@ -57,19 +57,36 @@ const LAMP: u32 = 6;
 const WAVELENGTH: u32 = 7;
 const LAMPS: u32 = 16;
 
-/// Follows the path of one sample of one pixel.
+/// Follows the paths of samples, one after the other.
 pub(crate) struct Tracer<'a> {
-    pub(crate) world: &'a World,
-    pub(crate) photons: Option<&'a Photons>,
+    world: &'a World,
+    photons: Option<&'a Photons>,
     /// How often light may be scattered before it meets the eye.
-    pub(crate) depth: u32,
-    pub(crate) sample: Sample,
+    depth: u32,
+    /// The least weight of a branch that is followed; none weighs as much as infinity.
+    least_branch: f64,
+    weighting: Weighting,
     pub(crate) statistics: Statistics,
-    pub(crate) weighting: Weighting,
+    sample: Sample,
+    /// Branches that are to be followed yet.
+    waiting: Vec<(Walk, Media)>,
+    /// What the path at hand is inside of.
+    media: Media,
+}
+
+/// The place that a path goes on from.
+struct From<'a> {
+    vertex: &'a Vertex<'a>,
+    /// Its thing, if photons are aimed at that.
+    target: Option<u32>,
+    /// Whether all lamps were looked for there.
+    all_lamps: bool,
+    /// The part of the samples that choose between reflecting lobes alone.
+    reflecting: f64,
 }
 
 /// A path as far as it has come.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 struct Walk {
     /// How often it was scattered, and how often it passed a boundary that is none.
     depth: u32,
@@ -90,20 +107,13 @@ struct Walk {
     from_target: Option<u32>,
     /// Whether all lamps were looked for where the ray comes from, and not one of them.
     all_lamps: bool,
-    media: Media,
     wavelength: Option<Wavelength>,
     key: Key,
 }
 
-impl Tracer<'_> {
-    /// The radiance that comes against a ray from the camera, of unit direction.
-    ///
-    /// As long as the path runs by mirrors and glass, and carries enough weight, both ways are followed that
-    /// it can take: what is reflected, and the rest.
-    pub(crate) fn camera_ray(&mut self, ray: &Ray) -> Rgb {
-        self.statistics.camera_rays += 1;
-        let mut light = Rgb::BLACK;
-        let mut waiting = vec![Walk {
+impl Walk {
+    fn from_eye(ray: &Ray) -> Self {
+        Self {
             ray: *ray,
             weight: Rgb::WHITE,
             part: 1.0,
@@ -115,47 +125,86 @@ impl Tracer<'_> {
             chance: Chance::NONE,
             from_target: None,
             all_lamps: true,
-            media: Media::default(),
             wavelength: None,
             key: Key::ROOT,
-        }];
-        while let Some(mut walk) = waiting.pop() {
-            // Boundaries that are none do not count, but there is an end to them too.
-            while walk.depth <= self.depth + 1 && walk.hidden <= self.depth + 16 {
-                let Some(onward) = self.step(walk, &mut light, &mut waiting) else { break };
-                walk = onward;
-            }
         }
-        light
+    }
+}
+
+impl<'a> Tracer<'a> {
+    /// Without photons caustics are left to chance; `branches` tells whether paths branch at the first surfaces, where they can.
+    pub(crate) fn new(
+        world: &'a World,
+        photons: Option<&'a Photons>,
+        depth: u32,
+        branches: bool,
+    ) -> Self {
+        let [low, high] = SPLIT_WEIGHTS;
+        let least = (SPLIT_LIGHT * world.white / world.brightest).clamp(low, high);
+        Self {
+            world,
+            photons,
+            depth,
+            least_branch: if branches { least } else { f64::INFINITY },
+            weighting: Weighting::default(),
+            statistics: Statistics::default(),
+            sample: Sample::new(0, 0, 0, 0),
+            waiting: Vec::new(),
+            media: Media::default(),
+        }
     }
 
-    /// Adds the light that is found at the next place of the path, and goes on from there. Where the path
+    /// The radiance that comes against a ray from the camera, of unit direction, with the random numbers of a sample.
+    ///
+    /// As long as the path runs by mirrors and glass, and carries enough weight, both ways are followed that
+    /// it can take: what is reflected, and the rest.
+    pub(crate) fn camera_ray(&mut self, sample: Sample, ray: &Ray) -> Rgb {
+        self.sample = sample;
+        self.statistics.camera_rays += 1;
+        let mut light = Rgb::BLACK;
+        let mut walk = Walk::from_eye(ray);
+        self.media.clear();
+        loop {
+            // Boundaries that are none do not count, but there is an end to them too.
+            while walk.depth <= self.depth + 1 && walk.hidden <= self.depth + 16 {
+                if !self.step(&mut walk, &mut light) {
+                    break;
+                }
+            }
+            match self.waiting.pop() {
+                Some(branch) => (walk, self.media) = branch,
+                None => return light,
+            }
+        }
+    }
+
+    /// Adds the light that is found at the next place of the path, and goes on from there, if it goes on. Where the path
     /// branches, the branch waits.
-    fn step(&mut self, mut walk: Walk, light: &mut Rgb, waiting: &mut Vec<Walk>) -> Option<Walk> {
+    fn step(&mut self, walk: &mut Walk, light: &mut Rgb) -> bool {
         let world = self.world;
         let Some(contact) = world.closest(&walk.ray) else {
-            *light += walk.weight * self.sky(&walk);
-            return None;
+            *light += walk.weight * self.sky(walk);
+            return false;
         };
         let filling =
-            walk.media.filling().and_then(|body| world.optics(body.finish).glass.as_ref());
+            self.media.filling().and_then(|body| world.optics(body.finish).glass.as_ref());
         if let Some(glass) = filling {
-            walk.weight = walk.weight * glass.absorption.map(|a| (-a * contact.t).exp());
+            walk.weight = glass.faded(walk.weight, contact.t);
         }
         let (finish, solid) = match world.met(&walk.ray, &contact) {
             Role::Lamp(lamp) => {
-                *light += walk.weight * self.lamp(&walk, lamp, contact.t);
-                return None;
+                *light += walk.weight * self.lamp(walk, lamp, contact.t);
+                return false;
             }
             Role::Surface { finish, solid } => (finish, solid),
         };
         let optics = world.optics(finish);
         if !optics.emission.is_black() {
             let surface = world.interaction(&walk.ray, &contact);
-            *light += walk.weight * optics.emission * self.shine(&walk, contact.thing, &surface);
+            *light += walk.weight * optics.emission * self.shine(walk, contact.thing, &surface);
         }
         if walk.depth > self.depth {
-            return None;
+            return false;
         }
         if walk.wavelength.is_none() && is_dispersive(optics) {
             let wavelength = Wavelength(self.sample.single(walk.key.child(WAVELENGTH)));
@@ -164,20 +213,19 @@ impl Tracer<'_> {
         }
         let sample = self.sample;
         let draw = Draw::new(&sample, walk.key);
-        let (ray, media) = (walk.ray, walk.media);
-        let met = (finish, solid);
-        let vertex = Vertex::new(world, &ray, &contact, met, &media, walk.wavelength, &draw);
+        let (met, wavelength) = ((finish, solid), walk.wavelength);
+        let vertex = Vertex::new(world, &walk.ray, &contact, met, &self.media, wavelength, &draw);
         let is_target = self.photons.is_some_and(|photons| photons.is_target(contact.thing));
         let target = is_target.then_some(contact.thing);
         let all_lamps = !walk.scattered && world.lamps.len() <= FEW_LAMPS;
         if vertex.is_lit() {
             // What is seen of a lamp in narrow lobes from a wide one is a caustic.
             let target = target.filter(|_| walk.scattered);
-            *light += walk.weight * self.direct(&walk, &vertex, target, all_lamps);
+            *light += walk.weight * self.direct(walk, &vertex, target, all_lamps);
         }
         let splits = !walk.scattered && walk.depth < SPLITS;
         let split = splits.then(|| vertex.split()).flatten().filter(|share| {
-            share.min(1.0 - share) * walk.weight.max_channel() >= self.least_branch()
+            share.min(1.0 - share) * walk.weight.max_channel() >= self.least_branch
         });
         let reflecting = split.map_or(1.0, |share| 1.0 - share);
         if let Some(photons) = self.photons
@@ -189,59 +237,63 @@ impl Tracer<'_> {
             let found = photons.gather(&vertex, contact.thing, left, turn, reflecting);
             *light += walk.weight * found / (index * index);
         }
-        let branches = match split {
-            Some(share) => [Some((0.0, share)), Some((share, 1.0 - share))],
-            None => [Some((0.0, 1.0)), None],
-        };
-        let mut next = None;
-        for ((from, share), branch) in branches.into_iter().flatten().zip([NEXT, BRANCH]) {
-            let Some(onward) = vertex.onward(&media, &draw.among(from, share)) else { continue };
-            let mut weight = walk.weight * onward.weight * share;
-            if walk.depth >= ROULETTE_FROM && !onward.straight {
-                // Where a path branched it became no less worth following.
-                let live = (weight.max_channel() / (walk.part * share)).min(1.0);
-                if !(self.sample.single(walk.key.child(ROULETTE)) < live) {
-                    continue;
-                }
-                weight = weight / live;
-            }
-            self.statistics.secondary_rays += 1;
-            let mut onwards = Walk {
-                ray: onward.ray,
-                weight,
-                part: walk.part * share,
-                media: onward.media,
-                key: walk.key.child(branch),
-                hidden: walk.hidden + 1,
-                ..walk
-            };
-            if !onward.straight {
-                onwards.hidden = walk.hidden;
-                onwards.depth += 1;
-                onwards.pdf = onward.pdf;
-                onwards.kind = onward.kind;
-                onwards.from_target = target;
-                if onward.kind == Kind::Wide {
-                    onwards.scattered = true;
-                    let cos = onward.ray.direction.dot(vertex.normal());
-                    onwards.chance = match self.photons {
-                        Some(photons) if vertex.even_color().is_none() => {
-                            photons.chance(onward.pdf, cos, reflecting)
-                        }
-                        _ => Chance::NONE,
-                    };
-                }
-                onwards.all_lamps = all_lamps;
-            }
-            waiting.extend(next.replace(onwards));
+        let from = From { vertex: &vertex, target, all_lamps, reflecting };
+        let Some(share) = split else { return self.go_on(walk, &from, &draw, 1.0, NEXT) };
+        let (start, media) = (walk.clone(), self.media.clone());
+        if self.go_on(walk, &from, &draw.among(0.0, share), share, NEXT) {
+            self.waiting.push((walk.clone(), self.media.clone()));
         }
-        next
+        (*walk, self.media) = (start, media);
+        self.go_on(walk, &from, &draw.among(share, 1.0 - share), 1.0 - share, BRANCH)
     }
 
-    /// The least weight of a branch that is followed.
-    fn least_branch(&self) -> f64 {
-        let [low, high] = SPLIT_WEIGHTS;
-        (SPLIT_LIGHT * self.world.white / self.world.brightest).clamp(low, high)
+    /// Goes on from a place, if the path does not end there, with a share of its ways.
+    fn go_on(
+        &mut self,
+        walk: &mut Walk,
+        from: &From<'_>,
+        draw: &Draw<'_>,
+        share: f64,
+        branch: u32,
+    ) -> bool {
+        let Some(onward) = from.vertex.onward(draw) else { return false };
+        let mut weight = walk.weight * onward.weight * share;
+        if walk.depth >= ROULETTE_FROM && !onward.straight {
+            // Where a path branched it became no less worth following.
+            let live = (weight.max_channel() / (walk.part * share)).min(1.0);
+            if !(self.sample.single(walk.key.child(ROULETTE)) < live) {
+                return false;
+            }
+            weight = weight / live;
+        }
+        self.statistics.secondary_rays += 1;
+        walk.ray = from.vertex.surface.spawn(onward.direction);
+        walk.weight = weight;
+        walk.part *= share;
+        if let Some(crossing) = onward.crossing {
+            self.media.cross(crossing);
+        }
+        walk.key = walk.key.child(branch);
+        if onward.straight {
+            walk.hidden += 1;
+            return true;
+        }
+        walk.depth += 1;
+        walk.pdf = onward.pdf;
+        walk.kind = onward.kind;
+        walk.from_target = from.target;
+        if onward.kind == Kind::Wide {
+            walk.scattered = true;
+            let cos = onward.direction.dot(from.vertex.normal());
+            walk.chance = match self.photons {
+                Some(photons) if from.vertex.even_color().is_none() => {
+                    photons.chance(onward.pdf, cos, from.reflecting)
+                }
+                _ => Chance::NONE,
+            };
+        }
+        walk.all_lamps = from.all_lamps;
+        true
     }
 
     /// The light of the sky along the ray, as far as it was not looked for where the ray comes from.
@@ -324,18 +376,18 @@ impl Tracer<'_> {
                 let u = self.sample.pair(walk.key.child(LAMPS + i));
                 if let Some(incoming) = lamp.sample(at, u) {
                     let narrow = left(self, i, &incoming);
-                    sum += self.arriving(walk, vertex, &incoming, narrow);
+                    sum += self.arriving(vertex, &incoming, narrow);
                 }
             }
         } else {
-            let choice = self.sample.single(walk.key.child(LAMP));
+            let choice = || self.sample.single(walk.key.child(LAMP));
             if let Some((lamp, share)) = world.choose_lamp(at, choice) {
                 let u = self.sample.pair(walk.key.child(LAMPS));
                 if let Some(incoming) = world.lamps[lamp].sample(at, u) {
                     let narrow = left(self, lamp as u32, &incoming);
                     let (light, pdf) = (incoming.light / share, incoming.pdf * share);
                     let incoming = Incoming { light, pdf, ..incoming };
-                    sum += self.arriving(walk, vertex, &incoming, narrow);
+                    sum += self.arriving(vertex, &incoming, narrow);
                 }
             }
         }
@@ -344,19 +396,13 @@ impl Tracer<'_> {
             && let Some(incoming) = world.sky.sample(self.sample.pair(walk.key.child(SKY)))
         {
             // No photons come from the sky.
-            sum += self.arriving(walk, vertex, &incoming, 1.0);
+            sum += self.arriving(vertex, &incoming, 1.0);
         }
         sum
     }
 
     /// What one sample of a light adds; of what narrow lobes send, the share `narrow`.
-    fn arriving(
-        &mut self,
-        walk: &Walk,
-        vertex: &Vertex<'_>,
-        incoming: &Incoming,
-        narrow: f64,
-    ) -> Rgb {
+    fn arriving(&mut self, vertex: &Vertex<'_>, incoming: &Incoming, narrow: f64) -> Rgb {
         let parts = vertex.evaluate(incoming.direction);
         let weighting = self.weighting;
         let weigh = |part: Part| part.value * weighting.of_looking(incoming.pdf, part.pdf);
@@ -373,10 +419,10 @@ impl Tracer<'_> {
             return Rgb::BLACK;
         }
         let mut light = incoming.light * seen;
-        if let Some(body) = walk.media.filling()
+        if let Some(body) = self.media.filling()
             && let Some(glass) = &self.world.optics(body.finish).glass
         {
-            light = light * glass.absorption.map(|a| (-a * incoming.distance).exp());
+            light = glass.faded(light, incoming.distance);
         }
         light
     }

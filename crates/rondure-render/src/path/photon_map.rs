@@ -28,7 +28,7 @@ const FLATNESS: f32 = 0.2;
 const EDGE: f64 = 1.0;
 
 /// How many photons a place looks at, at most, of those in a cell.
-const LOOKED_AT: u32 = 8;
+const LOOKED_AT: u32 = 5;
 
 /// Light that came to rest.
 #[derive(Clone, Copy, Debug)]
@@ -239,7 +239,12 @@ fn radius_of(radius: f64, level: u32) -> f64 {
 
 #[inline]
 fn cell(point: Vec3, edge: f64) -> [i64; 3] {
-    [point.x, point.y, point.z].map(|x| (x / edge).floor() as i64)
+    // The function of the library is called from afar.
+    let floor = |x: f64| {
+        let whole = x as i64;
+        whole - i64::from(whole as f64 > x)
+    };
+    [point.x, point.y, point.z].map(|x| floor(x / edge))
 }
 
 /// A place as seen from the corner of a cell, in radii.

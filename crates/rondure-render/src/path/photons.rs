@@ -271,7 +271,7 @@ fn shoot(world: &World, aim: &Aim, volley: &Volley, i: u32, count: u32) -> Vec<P
         if let Some(body) = media.filling()
             && let Some(glass) = &world.optics(body.finish).glass
         {
-            power = power * glass.absorption.map(|a| (-a * contact.t).exp());
+            power = glass.faded(power, contact.t);
         }
         let optics = world.optics(finish);
         if wavelength.is_none() && is_dispersive(optics) {
@@ -297,7 +297,7 @@ fn shoot(world: &World, aim: &Aim, volley: &Volley, i: u32, count: u32) -> Vec<P
                 level: level.min(HIGHEST_LEVEL),
             });
         }
-        let Some(onward) = vertex.onward(&media, &draw) else { break };
+        let Some(onward) = vertex.onward(&draw) else { break };
         if onward.kind == Kind::Wide {
             break;
         }
@@ -307,7 +307,10 @@ fn shoot(world: &World, aim: &Aim, volley: &Volley, i: u32, count: u32) -> Vec<P
             break;
         }
         power = power / live;
-        (ray, media) = (onward.ray, onward.media);
+        ray = vertex.surface.spawn(onward.direction);
+        if let Some(crossing) = onward.crossing {
+            media.cross(crossing);
+        }
         key = key.child(NEXT);
         if onward.straight { hidden += 1 } else { bounces += 1 }
     }

@@ -50,13 +50,11 @@ pub(super) fn world_of(material: Material, radius: f64, sky: Sky) -> World {
 /// Mean, variance of a sample, and variance of the mean.
 fn measure(world: &World, weighting: Weighting, count: u32) -> [f64; 3] {
     let ray = Ray::new(Vec3::new(0.02, -1.0, 1.0), Vec3::new(0.0, 1.0, -1.0).normalized());
+    let mut tracer = Tracer { weighting, ..Tracer::new(world, None, 0, true) };
     let (mut sum, mut squares) = (0.0, 0.0);
     for i in 0..count {
         // Other pixels, so that samples know nothing of each other.
-        let sample = Sample::new(5, i, 0, 0);
-        let statistics = Statistics::default();
-        let mut tracer = Tracer { world, photons: None, depth: 0, sample, statistics, weighting };
-        let light = tracer.camera_ray(&ray).g;
+        let light = tracer.camera_ray(Sample::new(5, i, 0, 0), &ray).g;
         sum += light;
         squares += light * light;
     }

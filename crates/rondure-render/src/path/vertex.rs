@@ -2,9 +2,9 @@
 
 use rondure::{Footing, Ray, Vec3};
 
-use super::media::{Body, Media};
+use super::media::{Body, Crossing, Media};
 use crate::{
-    bsdf::{Boundary, Facing, Kind, Parts, Scatter, Wavelength},
+    bsdf::{Boundary, Facing, Kind, Parts, Scatter, Smooth, Wavelength},
     color::Rgb,
     fresnel,
     optics::{Medium, Optics},
@@ -57,25 +57,32 @@ impl<'a> Draw<'a> {
 
 pub(crate) struct Vertex<'a> {
     pub(crate) surface: Footing,
-    /// Its z axis is the shading normal on the side that the path comes from.
-    frame: Frame,
+    /// The geometric normal on the side that the path comes from.
     normal: Vec3,
     outgoing: Vec3,
-    /// The viewer's direction; rounding may have put it below the horizon.
-    wo: Vec3,
     model: Model<'a>,
-    /// Whether the shading normal is not the geometric one.
-    is_bent: bool,
-    /// The bodies on the other side.
-    beyond: Media,
+    /// What a path does that goes through.
+    crossing: Option<Crossing>,
 }
 
+/// What the surface does, in a frame whose z axis is the shading normal on the side that the path comes from.
 enum Model<'a> {
-    Opaque(Facing<'a>),
-    Clear(Boundary<'a>),
-    /// A sheet of glass without thickness.
+    Opaque {
+        frame: Frame,
+        facing: Facing<'a>,
+        /// Whether the shading normal is not the geometric one.
+        is_bent: bool,
+    },
+    Clear(Smooth),
+    Frosted {
+        frame: Frame,
+        wo: Vec3,
+        boundary: Boundary<'a>,
+    },
+    /// A sheet of glass without thickness, and the cosine that it is seen at.
     Sheet {
-        ior: f64,
+        reflectance: f64,
+        cos: f64,
     },
     /// A boundary that another body hides.
     Hidden,
@@ -83,12 +90,13 @@ enum Model<'a> {
 
 /// How a path goes on.
 pub(crate) struct Onward {
-    pub(crate) ray: Ray,
+    pub(crate) direction: Vec3,
     pub(crate) weight: Rgb,
     /// The density by solid angle; infinite if the direction was the only one.
     pub(crate) pdf: f64,
     pub(crate) kind: Kind,
-    pub(crate) media: Media,
+    /// The boundary that it went through, if it is that of a body.
+    pub(crate) crossing: Option<Crossing>,
     /// Whether it passed a boundary that is none.
     pub(crate) straight: bool,
 }
@@ -109,56 +117,64 @@ impl<'a> Vertex<'a> {
         let outgoing = -ray.direction;
         let entering = surface.normal.dot(outgoing) >= 0.0;
         let normal = if entering { surface.normal } else { -surface.normal };
-        let mut beyond = *media;
-        let mut shading = normal;
-        let (mut frame, mut wo) = facing(normal, outgoing);
+        let mut crossing = None;
         let model = match &optics.glass {
             Some(medium) if optics.clarity >= 1.0 || draw.model() < optics.clarity => {
+                let cos = normal.dot(outgoing).clamp(f64::MIN_POSITIVE, 1.0);
                 if solid {
-                    let body = Body { thing: contact.thing, finish, priority: medium.priority };
-                    beyond = if entering {
-                        media.entered(body)
+                    let thing = contact.thing;
+                    let through = if entering {
+                        Crossing::Enters(Body { thing, finish, priority: medium.priority })
                     } else {
-                        media.left(contact.thing, finish)
+                        Crossing::Leaves(thing, finish)
                     };
-                    boundary(world, medium, entering, media, &beyond, wavelength)
+                    crossing = Some(through);
+                    match indices(world, medium, entering, media, through, wavelength) {
+                        None => Model::Hidden,
+                        Some([before, behind]) => match &medium.roughness {
+                            None => Model::Clear(Smooth::new(before, behind, cos)),
+                            Some(roughness) => {
+                                let (frame, wo) = facing(normal, outgoing);
+                                let boundary = Boundary { before, behind, roughness };
+                                Model::Frosted { frame, wo, boundary }
+                            }
+                        },
+                    }
                 } else {
-                    Model::Sheet { ior: medium.ior(wavelength) }
+                    let one_side = fresnel::from_air(cos, medium.ior(wavelength));
+                    Model::Sheet { reflectance: fresnel::sheet(one_side), cos }
                 }
             }
             _ => {
-                let color = match optics.color.plain() {
-                    Some(color) if !world.has_relief(finish) => color,
+                let (shading, color) = match optics.color.plain() {
+                    Some(color) if !world.has_relief(finish) => (normal, color),
                     _ => {
                         let surface = world.interaction(ray, contact);
                         let spot = world.spot(contact, &surface, outgoing);
                         let outwards =
                             world.shading_normal(finish, contact, &surface, &spot, outgoing);
-                        shading = if entering { outwards } else { -outwards };
-                        optics.color.at(&spot)
+                        let shading = if entering { outwards } else { -outwards };
+                        (shading, optics.color.at(&spot))
                     }
                 };
-                (frame, wo) = facing(shading, outgoing);
-                Model::Opaque(optics.opaque.facing(wo, color))
+                let (frame, wo) = facing(shading, outgoing);
+                let facing = optics.opaque.facing(wo, color);
+                Model::Opaque { frame, facing, is_bent: shading != normal }
             }
         };
-        Self { surface, frame, normal, outgoing, wo, model, is_bent: shading != normal, beyond }
+        Self { surface, normal, outgoing, model, crossing }
     }
 
     /// Whether light from a lamp can be seen in it otherwise than as a mirror image.
     #[inline]
     pub(crate) fn is_lit(&self) -> bool {
-        match &self.model {
-            Model::Opaque(_) => true,
-            Model::Clear(boundary) => boundary.roughness.is_some(),
-            Model::Sheet { .. } | Model::Hidden => false,
-        }
+        matches!(&self.model, Model::Opaque { .. } | Model::Frosted { .. })
     }
 
     /// Whether some of the light that is seen comes by wide lobes.
     #[inline]
     pub(crate) fn is_wide(&self) -> bool {
-        matches!(&self.model, Model::Opaque(facing) if facing.is_wide())
+        matches!(&self.model, Model::Opaque { facing, .. } if facing.is_wide())
     }
 
     /// The geometric normal on the side that the path comes from.
@@ -171,7 +187,7 @@ impl<'a> Vertex<'a> {
     #[inline]
     pub(crate) fn even_color(&self) -> Option<Rgb> {
         match &self.model {
-            Model::Opaque(facing) if !self.is_bent => facing.even_color(),
+            Model::Opaque { facing, is_bent: false, .. } => facing.even_color(),
             _ => None,
         }
     }
@@ -179,69 +195,74 @@ impl<'a> Vertex<'a> {
     /// What is sent back of the light from a direction on the viewer's side.
     #[inline]
     pub(crate) fn evaluate(&self, incoming: Vec3) -> Parts {
-        let wi = self.frame.to_local(incoming);
-        if !(wi.z > 0.0 && incoming.dot(self.normal) > 0.0) {
+        if !(incoming.dot(self.normal) > 0.0) {
             return Parts::default();
         }
-        match &self.model {
-            Model::Opaque(facing) => facing.evaluate(wi),
-            Model::Clear(boundary) => {
-                Parts { narrow: boundary.evaluate(self.wo, wi), ..Parts::default() }
-            }
-            Model::Sheet { .. } | Model::Hidden => Parts::default(),
-        }
+        let local = |frame: &Frame| Some(frame.to_local(incoming)).filter(|wi| wi.z > 0.0);
+        let parts = match &self.model {
+            Model::Opaque { frame, facing, .. } => local(frame).map(|wi| facing.evaluate(wi)),
+            Model::Frosted { frame, wo, boundary } => local(frame)
+                .map(|wi| Parts { narrow: boundary.evaluate(*wo, wi), ..Parts::default() }),
+            Model::Clear(_) | Model::Sheet { .. } | Model::Hidden => None,
+        };
+        parts.unwrap_or_default()
     }
 
     /// Where the numbers that choose between lobes part in two groups, the one reflected as by a mirror.
     pub(crate) fn split(&self) -> Option<f64> {
-        let cos = self.wo.z.min(1.0);
         match &self.model {
-            Model::Opaque(facing) => facing.split(),
-            Model::Clear(boundary) => boundary.split(cos),
-            Model::Sheet { ior } => Some(fresnel::sheet(fresnel::from_air(cos, *ior))),
-            Model::Hidden => None,
+            Model::Opaque { facing, .. } => facing.split(),
+            Model::Clear(Smooth { reflectance, .. }) | Model::Sheet { reflectance, .. } => {
+                Some(*reflectance)
+            }
+            Model::Frosted { .. } | Model::Hidden => None,
         }
         .filter(|share| *share > 0.0 && *share < 1.0)
     }
 
-    /// A ray that goes on from here; `media` are the bodies that the path is in.
-    pub(crate) fn onward(&self, media: &Media, draw: &Draw<'_>) -> Option<Onward> {
-        let perfect = |direction, pdf| {
-            Some(Scatter { direction, weight: Rgb::WHITE, pdf, kind: Kind::Narrow })
+    /// How a path goes on from here.
+    pub(crate) fn onward(&self, draw: &Draw<'_>) -> Option<Onward> {
+        let in_frame = |frame: &Frame, scatter: Scatter| {
+            let through = scatter.direction.z < 0.0;
+            (
+                Scatter { direction: unit_again(frame.to_world(scatter.direction)), ..scatter },
+                through,
+            )
         };
-        let wo = self.wo;
-        let scatter = match &self.model {
-            Model::Opaque(facing) => {
+        let perfect = |direction, through| {
+            let (weight, pdf, kind) = (Rgb::WHITE, f64::INFINITY, Kind::Narrow);
+            (Scatter { direction, weight, pdf, kind }, through)
+        };
+        let (Scatter { direction, weight, pdf, kind }, through) = match &self.model {
+            Model::Opaque { frame, facing, .. } => {
                 // A single lobe needs no number.
                 let lobe = if facing.even_color().is_some() { 0.0 } else { draw.lobe() };
-                facing.sample(lobe, draw.direction())
+                in_frame(frame, facing.sample(lobe, draw.direction())?)
             }
-            Model::Clear(boundary) => boundary.sample(wo, draw.lobe(), draw.direction()),
-            Model::Sheet { ior } => {
-                let reflected =
-                    draw.lobe() < fresnel::sheet(fresnel::from_air(wo.z.min(1.0), *ior));
-                let direction = if reflected { Vec3::new(-wo.x, -wo.y, wo.z) } else { -wo };
-                perfect(direction, f64::INFINITY)
+            Model::Clear(smooth) => {
+                let (direction, through) = smooth.sample(self.normal, self.outgoing, draw.lobe());
+                perfect(unit_again(direction), through)
             }
-            Model::Hidden => perfect(-wo, f64::INFINITY),
-        }?;
-        let through = scatter.direction.z < 0.0;
-        let direction = match self.model {
+            Model::Frosted { frame, wo, boundary } => {
+                in_frame(frame, boundary.sample(*wo, draw.lobe(), draw.direction())?)
+            }
+            Model::Sheet { reflectance, cos } if draw.lobe() < *reflectance => {
+                perfect(unit_again(self.normal * (2.0 * cos) - self.outgoing), false)
+            }
             // Straight on means to the last bit.
-            Model::Sheet { .. } | Model::Hidden if through => -self.outgoing,
-            _ => self.frame.to_world(scatter.direction).normalized(),
+            Model::Sheet { .. } | Model::Hidden => perfect(-self.outgoing, true),
         };
         let side = if through { -self.normal } else { self.normal };
         // Rounding may turn a grazing direction to the wrong side, by as little as it is off.
         let off = direction.dot(side);
         let direction = if off < 0.0 { direction - side * (2.0 * off) } else { direction };
         Some(Onward {
-            ray: self.surface.spawn(direction),
-            weight: scatter.weight,
+            direction,
+            weight,
             // No lamp is looked for on the other side, so what is found there counts fully.
-            pdf: if through { f64::INFINITY } else { scatter.pdf },
-            kind: scatter.kind,
-            media: if through { self.beyond } else { *media },
+            pdf: if through { f64::INFINITY } else { pdf },
+            kind,
+            crossing: self.crossing.filter(|_| through),
             straight: matches!(self.model, Model::Hidden),
         })
     }
@@ -256,15 +277,23 @@ fn facing(normal: Vec3, outgoing: Vec3) -> (Frame, Vec3) {
     (frame, wo)
 }
 
-fn boundary<'a>(
+/// A direction of unit length but for rounding, which is taken off: one step of Newton's for the root of its length. So
+/// rounding does not add up on the way.
+#[inline]
+fn unit_again(direction: Vec3) -> Vec3 {
+    direction * (1.5 - 0.5 * direction.length_squared())
+}
+
+/// The indices of refraction before a boundary and behind it; `None` if the place is filled by the same on both sides.
+fn indices(
     world: &World,
-    medium: &'a Medium,
+    medium: &Medium,
     entering: bool,
     media: &Media,
-    beyond: &Media,
+    crossing: Crossing,
     wavelength: Option<Wavelength>,
-) -> Model<'a> {
-    let (here, there) = (media.filling(), beyond.filling());
+) -> Option<[f64; 2]> {
+    let (here, there) = (media.filling(), media.filling_beyond(crossing));
     let index = |body: Option<Body>| {
         let glass = body.and_then(|body| world.optics(body.finish).glass.as_ref());
         glass.map_or(1.0, |glass| glass.ior(wavelength))
@@ -272,10 +301,10 @@ fn boundary<'a>(
     let before = match here {
         // From within glass that the path has never entered.
         None if !entering => medium.ior(wavelength),
-        _ if here == there => return Model::Hidden,
+        _ if here == there => return None,
         _ => index(here),
     };
-    Model::Clear(Boundary { before, behind: index(there), roughness: medium.roughness.as_ref() })
+    Some([before, index(there)])
 }
 
 /// Whether the glass on a path spreads white light out into colours.

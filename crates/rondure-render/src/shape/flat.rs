@@ -1,6 +1,6 @@
 //! The flat shapes: the endless plane, the disk and the parallelogram.
 
-use rondure::{Bounds, Interaction, Ray, Vec3};
+use rondure::{Bounds, Footing, Interaction, Ray, Vec3};
 
 use super::{padded, point_error};
 
@@ -14,6 +14,11 @@ pub(crate) struct Plane {
 impl Plane {
     pub(crate) fn new(point: Vec3, normal: Vec3) -> Self {
         Self { point, normal: normal.normalized() }
+    }
+
+    /// For [`Flats`](super::Flats).
+    pub(super) fn parts(&self) -> [Vec3; 4] {
+        [self.point, self.normal, Vec3::ZERO, Vec3::ZERO]
     }
 
     /// Where the ray meets the plane, in its range. A ray in the plane or along it has no hit.
@@ -33,16 +38,17 @@ impl Plane {
     }
 
     #[inline]
-    fn interaction_along(&self, ray: &Ray, t: f64, axes: [Vec3; 2], uv: [f64; 2]) -> Interaction {
+    pub(crate) fn footing(&self, ray: &Ray, t: f64) -> Footing {
         let local = self.local(ray, t);
-        Interaction {
-            point: self.point + local,
-            normal: self.normal,
-            uv,
-            dp_du: axes[0],
-            dp_dv: axes[1],
-            error: point_error(self.point, local.max_abs()),
-        }
+        let error = point_error(self.point, local.max_abs());
+        Footing { point: self.point + local, normal: self.normal, error }
+    }
+
+    #[inline]
+    fn interaction_along(&self, ray: &Ray, t: f64, axes: [Vec3; 2], uv: [f64; 2]) -> Interaction {
+        let Footing { point, normal, error } = self.footing(ray, t);
+        let [dp_du, dp_dv] = axes;
+        Interaction { point, normal, uv, dp_du, dp_dv, error }
     }
 
     #[inline]
@@ -88,6 +94,11 @@ impl Disk {
     }
 
     #[inline]
+    pub(crate) fn footing(&self, ray: &Ray, t: f64) -> Footing {
+        self.plane.footing(ray, t)
+    }
+
+    #[inline]
     pub(crate) fn interaction(&self, ray: &Ray, t: f64) -> Interaction {
         self.plane.interaction(ray, t)
     }
@@ -110,6 +121,12 @@ impl Rectangle {
         Self { plane: Plane::new(center, normal), edges, dual }
     }
 
+    /// For [`Flats`](super::Flats).
+    pub(super) fn parts(&self) -> [Vec3; 4] {
+        let [u, v] = self.dual;
+        [self.plane.point, self.plane.normal, u, v]
+    }
+
     pub(crate) fn bounds(&self) -> Bounds {
         padded(self.plane.point, (self.edges[0].abs() + self.edges[1].abs()) * 0.5)
     }
@@ -119,6 +136,11 @@ impl Rectangle {
         let t = self.plane.closest(ray)?;
         let local = ray.origin - self.plane.point + ray.direction * t;
         (self.dual[0].dot(local).abs() <= 0.5 && self.dual[1].dot(local).abs() <= 0.5).then_some(t)
+    }
+
+    #[inline]
+    pub(crate) fn footing(&self, ray: &Ray, t: f64) -> Footing {
+        self.plane.footing(ray, t)
     }
 
     #[inline]

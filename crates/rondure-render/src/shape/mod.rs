@@ -5,12 +5,14 @@
 //! so that the next ray starts clear of it. No tolerance depends on anything but rounding.
 
 mod flat;
+mod flats;
 mod sphere;
 
 pub(crate) use flat::{Disk, Plane, Rectangle};
+pub(crate) use flats::Flats;
 pub(crate) use sphere::Sphere;
 
-use rondure::{Bounds, Hit, Interaction, Ray, Vec3, numeric::gamma};
+use rondure::{Bounds, Footing, Hit, Interaction, Ray, Vec3, numeric::gamma};
 
 /// A shape that is no turned surface.
 #[derive(Clone, Debug)]
@@ -50,12 +52,32 @@ impl Shape {
         .map(hit_at)
     }
 
+    /// The point, the normal and the dual vectors of a rectangle, or of a plane, whose duals are zero.
+    fn flat(&self) -> Option<[Vec3; 4]> {
+        match self {
+            Self::Rectangle(rectangle) => Some(rectangle.parts()),
+            Self::Plane(plane) => Some(plane.parts()),
+            Self::Sphere(_) | Self::Disk(_) => None,
+        }
+    }
+
     /// All hits in the ray's range, in order. `hits` is cleared first.
     pub(crate) fn all(&self, ray: &Ray, hits: &mut Vec<Hit>) {
         hits.clear();
         match self {
             Self::Sphere(sphere) => hits.extend(sphere.all(ray).map(hit_at)),
             _ => hits.extend(self.closest(ray)),
+        }
+    }
+
+    /// The place and the normal of a hit, alone.
+    #[inline]
+    pub(crate) fn footing(&self, ray: &Ray, hit: &Hit) -> Footing {
+        match self {
+            Self::Sphere(sphere) => sphere.footing(ray, hit.t),
+            Self::Disk(disk) => disk.footing(ray, hit.t),
+            Self::Rectangle(rectangle) => rectangle.footing(ray, hit.t),
+            Self::Plane(plane) => plane.footing(ray, hit.t),
         }
     }
 

@@ -4,7 +4,7 @@
 
 use core::f64::consts::{PI, TAU};
 
-use rondure::{Bounds, Interaction, Ray, Vec3};
+use rondure::{Bounds, Footing, Interaction, Ray, Vec3};
 
 use super::{padded, point_error};
 
@@ -63,9 +63,19 @@ impl Sphere {
     }
 
     #[inline]
-    pub(crate) fn interaction(&self, ray: &Ray, t: f64) -> Interaction {
+    pub(crate) fn footing(&self, ray: &Ray, t: f64) -> Footing {
         let outwards = ray.origin - self.center + ray.direction * t;
         let normal = outwards.normalized();
+        Footing {
+            point: self.center + normal * self.radius,
+            normal,
+            error: point_error(self.center, self.radius),
+        }
+    }
+
+    #[inline]
+    pub(crate) fn interaction(&self, ray: &Ray, t: f64) -> Interaction {
+        let Footing { point, normal, error } = self.footing(ray, t);
         let angle = normal.y.atan2(normal.x) / TAU;
         let u = if angle < 0.0 { angle + 1.0 } else { angle };
         // v counts along the half circle from the lower pole, as its turned profile would.
@@ -74,12 +84,12 @@ impl Sphere {
         let (cos, sin) =
             if across > 0.0 { (normal.x / across, normal.y / across) } else { (1.0, 0.0) };
         Interaction {
-            point: self.center + normal * self.radius,
+            point,
             normal,
             uv: [if u < 1.0 { u } else { 0.0 }, v],
             dp_du: Vec3::new(-normal.y, normal.x, 0.0) * (TAU * self.radius),
             dp_dv: Vec3::new(-cos * normal.z, -sin * normal.z, across) * (PI * self.radius),
-            error: point_error(self.center, self.radius),
+            error,
         }
     }
 }

@@ -30,9 +30,7 @@ pub(super) fn film(table: Option<Table<'_>>) -> Film {
     film.depth = whole("depth", 0, DEEPEST, film.depth);
     film.bits = table.get("bits").and_then(|v| bits(&v)).unwrap_or(film.bits);
     film.exposure = table.number("exposure", Bounds::POSITIVE).unwrap_or(film.exposure);
-    const INTEGRATORS: [(&str, Integrator); 2] =
-        [("path", Integrator::Path), ("whitted", Integrator::Whitted)];
-    let integrator = table.get("integrator").and_then(|v| v.choice("integrator", &INTEGRATORS));
+    let integrator = table.get("integrator").and_then(|v| v.choice("integrator", &Integrator::ALL));
     film.integrator = integrator.unwrap_or_default();
     film.filter = filter(&table);
     film.view = table.get("view").and_then(|v| v.choice("view", &VIEWS)).unwrap_or(film.view);
