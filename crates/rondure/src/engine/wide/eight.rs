@@ -46,9 +46,15 @@ pub(super) struct Landing<S: Simd> {
 }
 
 impl<S: Simd> Aim<S> {
-    /// Takes Newton's steps, until they are done in all the lanes that are wanted or there have been [`MOST_STEPS`].
+    /// Takes Newton's steps, until they are done in all the lanes that are wanted or there have been [`MOST_STEPS`]; curves are all
+    /// conics or none is.
     #[inline(always)]
-    pub(super) fn hit<const CONIC: bool>(&self, simd: S, wanted: u32) -> Landing<S> {
+    pub(super) fn hit(&self, simd: S, conic: bool, wanted: u32) -> Landing<S> {
+        if conic { self.hit_on::<true>(simd, wanted) } else { self.hit_on::<false>(simd, wanted) }
+    }
+
+    #[inline(always)]
+    fn hit_on<const CONIC: bool>(&self, simd: S, wanted: u32) -> Landing<S> {
         let ([ox, oy, oz], [dx, dy, dz]) = (self.origin, self.direction);
         let (half, one, zero) = (splat(simd, 0.5), splat(simd, 1.0), splat(simd, 0.0));
         let (spot, mut s, mut tau) = (self.tau, self.s, self.tau);

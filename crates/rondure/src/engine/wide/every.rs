@@ -167,11 +167,7 @@ impl Wide {
                 if lanes == 0 {
                     continue;
                 }
-                let landing = if conic {
-                    aim.hit::<true>(simd, lanes)
-                } else {
-                    aim.hit::<false>(simd, lanes)
-                };
+                let landing = aim.hit(simd, conic, lanes);
                 for lane in bits(landing.certain) {
                     let lane = lane % WIDTH;
                     let ray = eight[lane].ray;

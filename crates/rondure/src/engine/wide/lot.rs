@@ -247,11 +247,7 @@ impl Wide {
                 if lanes == 0 {
                     continue;
                 }
-                let landing = if conic {
-                    aim.hit::<true>(simd, lanes)
-                } else {
-                    aim.hit::<false>(simd, lanes)
-                };
+                let landing = aim.hit(simd, conic, lanes);
                 for lane in bits(landing.certain) {
                     let index = lot.ray[start + lane];
                     hits.t[index] = landing.tau[lane % WIDTH];

@@ -389,11 +389,7 @@ impl Wide {
                     valid,
                     last2: f64x8::splat(simd, leaf.last2()),
                 };
-                let landing = if leaf.is_conic() {
-                    aim.hit::<true>(simd, lanes)
-                } else {
-                    aim.hit::<false>(simd, lanes)
-                };
+                let landing = aim.hit(simd, leaf.is_conic(), lanes);
                 for lane in bits(landing.certain) {
                     let index = start + half * WIDTH + lane;
                     hits.t[index] = landing.tau[lane % WIDTH];
