@@ -18,7 +18,8 @@ use self::{fit::Fit, patch::Distances};
 const REACH: i32 = 9;
 /// Weights below this are not worth the work: together they count less than one alike pixel.
 const LEAST_WEIGHT: f32 = 0.01;
-/// The weight of pixels that are quite unlike: they are what is left for one that is unknown and has nobody alike.
+/// The weight of pixels that are quite unlike: they are what is left for one that is unknown and has nobody alike. It counts for nothing
+/// beside any other, and is far from the least that f32 holds with all digits, 1e-38.
 const HARDLY: f32 = 1e-20;
 /// What a step of one pixel counts as a feature: the window is then as wide as the range of a channel of the albedo, or less.
 const STEP: f32 = 0.02;

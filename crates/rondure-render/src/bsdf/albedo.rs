@@ -88,7 +88,7 @@ fn points() -> impl Iterator<Item = (f64, f64)> {
     const STEP: (f64, f64) = (0.754_877_666_246_692_8, 0.569_840_290_998_053_2);
     (0..SAMPLES).map(|i| {
         let at = f64::from(i) + 0.5;
-        // The function of the library is called from afar.
+        // `f64::fract` is a call of the library where SSE 4.1 is not a matter of course.
         let fract = |x: f64| x - f64::from(x as u32);
         (fract(at * STEP.0), fract(at * STEP.1))
     })

@@ -75,7 +75,7 @@ pub(crate) struct Tracer<'a> {
 }
 
 /// The place that a path goes on from.
-struct From<'a> {
+struct Departure<'a> {
     vertex: &'a Vertex<'a>,
     /// Its thing, if photons are aimed at that.
     target: Option<u32>,
@@ -237,7 +237,7 @@ impl<'a> Tracer<'a> {
             let found = photons.gather(&vertex, contact.thing, left, turn, reflecting);
             *light += walk.weight * found / (index * index);
         }
-        let from = From { vertex: &vertex, target, all_lamps, reflecting };
+        let from = Departure { vertex: &vertex, target, all_lamps, reflecting };
         let Some(share) = split else { return self.go_on(walk, &from, &draw, 1.0, NEXT) };
         let (start, media) = (walk.clone(), self.media.clone());
         if self.go_on(walk, &from, &draw.among(0.0, share), share, NEXT) {
@@ -251,7 +251,7 @@ impl<'a> Tracer<'a> {
     fn go_on(
         &mut self,
         walk: &mut Walk,
-        from: &From<'_>,
+        from: &Departure<'_>,
         draw: &Draw<'_>,
         share: f64,
         branch: u32,

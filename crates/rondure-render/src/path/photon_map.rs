@@ -239,7 +239,7 @@ fn radius_of(radius: f64, level: u32) -> f64 {
 
 #[inline]
 fn cell(point: Vec3, edge: f64) -> [i64; 3] {
-    // The function of the library is called from afar.
+    // `f64::floor` is a call of the library where SSE 4.1 is not a matter of course.
     let floor = |x: f64| {
         let whole = x as i64;
         whole - i64::from(whole as f64 > x)

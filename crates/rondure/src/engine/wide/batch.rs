@@ -20,18 +20,19 @@ const OVER: usize = 64;
 
 /// What is asked about many rays: how packets, lots and single rays answer it, and where the answers go.
 trait Answers {
-    /// Whether rays that are alike go together.
-    const PACKETS: bool = true;
-
-    /// Answers the rays of a packet, from the one numbered `start` on, or leaves them to `single`.
+    /// Answers the rays of a packet, from the one numbered `start` on, or leaves them to `single`; false if they should rather go each
+    /// their own way, as for all hits: they would have to meet the same leaves all along.
+    #[inline(always)]
     fn together<S: Simd>(
         &mut self,
-        simd: S,
-        wide: &Wide,
-        packet: &Packet<'_, S>,
-        start: usize,
-        single: &mut Vec<usize>,
-    );
+        _simd: S,
+        _wide: &Wide,
+        _packet: &Packet<'_, S>,
+        _start: usize,
+        _single: &mut Vec<usize>,
+    ) -> bool {
+        false
+    }
 
     /// Answers the rays of a lot.
     fn apart<S: Simd>(&mut self, simd: S, wide: &Wide, lot: &mut Lot);
@@ -48,21 +49,6 @@ struct All<'a> {
 }
 
 impl Answers for All<'_> {
-    // They would have to meet the same leaves all along.
-    const PACKETS: bool = false;
-
-    #[inline(always)]
-    fn together<S: Simd>(
-        &mut self,
-        _: S,
-        _: &Wide,
-        packet: &Packet<'_, S>,
-        start: usize,
-        single: &mut Vec<usize>,
-    ) {
-        single.extend(bits(packet.meets()).map(|lane| start + lane));
-    }
-
     #[inline(always)]
     fn apart<S: Simd>(&mut self, simd: S, wide: &Wide, lot: &mut Lot) {
         wide.all_apart(simd, lot, &mut self.every, self.hits);
@@ -90,8 +76,9 @@ impl Answers for Hits {
         packet: &Packet<'_, S>,
         start: usize,
         single: &mut Vec<usize>,
-    ) {
+    ) -> bool {
         wide.closest_together(simd, packet, start, self, single);
+        true
     }
 
     #[inline(always)]
@@ -113,8 +100,9 @@ impl Answers for [bool] {
         packet: &Packet<'_, S>,
         start: usize,
         single: &mut Vec<usize>,
-    ) {
+    ) -> bool {
         wide.any_together(simd, packet, start, self, single);
+        true
     }
 
     #[inline(always)]
@@ -192,22 +180,19 @@ impl Target<'_> {
             ];
             lot.refuse(&near, start);
             if near[0].meets | near[1].meets != 0 {
-                let packet = if A::PACKETS { Packet::new(simd, &near) } else { None };
-                match packet {
-                    Some(packet) => {
-                        answers.together(simd, wide, &packet, start, &mut lot.single);
+                let answered = match Packet::new(simd, &near) {
+                    Some(packet) => answers.together(simd, wide, &packet, start, &mut lot.single),
+                    None => false,
+                };
+                if !answered && wide.takes_lots() {
+                    lot.take(simd, &near[0], start);
+                    lot.take(simd, &near[1], start + WIDTH);
+                    if lot.is_full() {
+                        answers.apart(simd, wide, &mut lot);
                     }
-                    None if !wide.takes_lots() => {
-                        let meets = near[0].meets | near[1].meets << WIDTH;
-                        lot.single.extend(bits(meets).map(|lane| start + lane));
-                    }
-                    None => {
-                        lot.take(simd, &near[0], start);
-                        lot.take(simd, &near[1], start + WIDTH);
-                        if lot.is_full() {
-                            answers.apart(simd, wide, &mut lot);
-                        }
-                    }
+                } else if !answered {
+                    let meets = near[0].meets | near[1].meets << WIDTH;
+                    lot.single.extend(bits(meets).map(|lane| start + lane));
                 }
             }
             if lot.single.len() >= OVER {

@@ -6,8 +6,8 @@
 //! ```
 //!
 //! Rays whose nearest block has no spot go another round. The few that need more than the nearest spot of
-//! a block are left to be answered one by one. No stage has a branch that depends on what a single ray finds: half of them would
-//! be foreseen wrongly, and what comes after them thrown away.
+//! a block are left to be answered one by one. No stage has a branch for what one ray finds and the next one does
+//! not, but for rare cases: half of such branches would be foreseen wrongly, and what comes after them thrown away.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, f64x8, mask64x8, u32x16};

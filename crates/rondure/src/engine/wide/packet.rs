@@ -121,12 +121,6 @@ impl<'a, S: Simd> Packet<'a, S> {
         })
     }
 
-    /// Which of them may meet the surface.
-    #[inline(always)]
-    pub(super) fn meets(&self) -> u32 {
-        self.meets
-    }
-
     /// The rays as a block sees them, which they enter at `enter`.
     #[inline(always)]
     fn beam(&self, simd: S, block: &Block, enter: f32x16<S>) -> Beam<f32x16<S>> {
