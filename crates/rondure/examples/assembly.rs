@@ -5,9 +5,13 @@
 //! at random. Camera rays come from a pinhole outside in scanline order, random rays run from
 //! the sphere round the box to a point in the box. One thread, the best of the rounds.
 
+mod rays;
+
 use std::{env, error::Error, sync::Arc, time::Instant};
 
 use rondure::{Affine, Assembly, Bounds, Instances, Profile, Ray, Surface, Vec3};
+
+use self::rays::{Random, pinhole, random_rays};
 
 const SHAPES: u32 = 100;
 const ROUNDS: usize = 5;
@@ -25,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let assembly = lattice(count)?;
         let seconds = start.elapsed().as_secs_f64();
         let bounds = assembly.bounds();
-        let sets = [camera_rays(&bounds), random_rays(&bounds)];
+        let sets = [camera_rays(&bounds), random_rays(&bounds, 1 << 18)];
         let [camera, random] = [&sets[0], &sets[1]].map(|rays| {
             let closest = best(rays, |ray| assembly.closest(ray).is_some());
             (closest, best(rays, |ray| assembly.any(ray)).0)
@@ -54,21 +58,6 @@ fn best(rays: &[Ray], hit: impl Fn(&Ray) -> bool) -> (f64, f64) {
         (start.elapsed().as_secs_f64() * 1e9 / rays, 100.0 * hits as f64 / rays)
     });
     rounds.fold((f64::INFINITY, 0.0), |a, b| if b.0 < a.0 { b } else { a })
-}
-
-/// Numbers from 0 to 1, the same at every run.
-struct Random(u64);
-
-impl Random {
-    fn number(&mut self) -> f64 {
-        self.0 =
-            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn vector(&mut self) -> Vec3 {
-        Vec3::new(self.number(), self.number(), self.number())
-    }
 }
 
 /// A vase of height 1; the first is that of `profiles/vase.path`.
@@ -107,31 +96,9 @@ fn lattice(count: usize) -> Result<Assembly, Box<dyn Error>> {
     Ok(Assembly::new(instances)?)
 }
 
+/// A pinhole from outside.
 fn camera_rays(bounds: &Bounds) -> Vec<Ray> {
-    let (width, height) = (1024, 768);
     let (center, radius) = (bounds.center(), 0.5 * bounds.extent().length());
     let eye = center + Vec3::new(2.0, -1.3, 1.1).normalized() * (2.2 * radius);
-    let forward = (center - eye).normalized();
-    let right = forward.cross(Vec3::Z).normalized();
-    let up = right.cross(forward);
-    let scale = 20.0_f64.to_radians().tan() / (0.5 * f64::from(height));
-    let ray = |i: i32| {
-        let x = f64::from(i % width) + 0.5 - 0.5 * f64::from(width);
-        let y = 0.5 * f64::from(height) - f64::from(i / width) - 0.5;
-        Ray::new(eye, forward + right * (x * scale) + up * (y * scale))
-    };
-    (0..width * height).map(ray).collect()
-}
-
-fn random_rays(bounds: &Bounds) -> Vec<Ray> {
-    let mut random = Random(2);
-    let (center, extent) = (bounds.center(), bounds.extent());
-    let radius = 0.5 * extent.length();
-    let ray = |_| {
-        let origin = center + (random.vector() - Vec3::splat(0.5)).normalized() * radius;
-        let v = random.vector();
-        let target = bounds.min + Vec3::new(extent.x * v.x, extent.y * v.y, extent.z * v.z);
-        Ray::new(origin, target - origin)
-    };
-    (0..1 << 18).map(ray).collect()
+    pinhole([eye, center], 20.0, [1024, 768])
 }

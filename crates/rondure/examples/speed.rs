@@ -43,9 +43,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         let profile = Profile::from_path_data(&fs::read_to_string(&file)?)?;
         let surface = Surface::with_engine(&profile, &options);
-        for (name, rays) in
-            [("camera", camera_rays()), ("random", random_rays(&surface.bounds(), 1 << 18))]
-        {
+        for (name, rays) in [
+            ("camera", camera_rays([1024, 768])),
+            ("random", random_rays(&surface.bounds(), 1 << 18)),
+        ] {
             let (closest, hits) = best(&rays, |ray| surface.closest(ray).is_some());
             let (any, _) = best(&rays, |ray| surface.any(ray));
             let [many, any_many] = batches(&surface, &rays);
