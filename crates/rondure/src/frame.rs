@@ -119,6 +119,27 @@ impl Frame {
         }
     }
 
+    /// The rows of the linear map from the world to the surface, unless that is the identity.
+    #[inline(always)]
+    pub(crate) fn rows(&self) -> Option<&[Vec3; 3]> {
+        match &self.turn {
+            Turn::Unplaced | Turn::Moved => None,
+            Turn::Rows(rows) => Some(rows),
+        }
+    }
+
+    /// The surface's centre, in the world.
+    #[inline(always)]
+    pub(crate) fn center(&self) -> Vec3 {
+        self.center
+    }
+
+    /// A bound on the squared distance of the surface's points from there, in the world.
+    #[inline(always)]
+    pub(crate) fn radius2(&self) -> f64 {
+        self.radius2
+    }
+
     /// The height of the surface's centre, in the world.
     #[inline(always)]
     pub(crate) fn center_z(&self) -> f64 {

@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use crate::frame::Frame;
 use crate::interaction::{Interaction, interaction, normal};
-use crate::{Affine, AreaSampler, Bounds, Hit, Ray, Surface, SurfaceSample, Vec3};
+use crate::{
+    Affine, AllHits, AreaSampler, Bounds, Hit, Hits, Ray, Rays, Surface, SurfaceSample, Vec3,
+};
 
 /// A surface placed in the world by an affine map: moved, turned, scaled, mirrored or sheared.
 #[derive(Clone, Debug)]
@@ -48,6 +50,21 @@ impl Instance {
     /// All hits in the range of a ray in the world, in order of t; see [`Surface::all`].
     pub fn all(&self, ray: &Ray, hits: &mut Vec<Hit>) {
         self.surface.all_from(&self.frame, ray, hits);
+    }
+
+    /// The closest hits of many rays in the world; see [`Surface::closest_of_many`].
+    pub fn closest_of_many(&self, rays: &Rays<'_>, hits: &mut Hits) {
+        self.surface.closest_of_many_from(&self.frame, rays, hits);
+    }
+
+    /// Whether many rays in the world have any hit; see [`Surface::any_of_many`].
+    pub fn any_of_many(&self, rays: &Rays<'_>, hits: &mut [bool]) {
+        self.surface.any_of_many_from(&self.frame, rays, hits);
+    }
+
+    /// All hits of many rays in the world; see [`Surface::all_of_many`].
+    pub fn all_of_many(&self, rays: &Rays<'_>, hits: &mut AllHits) {
+        self.surface.all_of_many_from(&self.frame, rays, hits);
     }
 
     /// The full answer for a hit, in the world; see [`Surface::interaction`].

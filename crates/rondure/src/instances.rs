@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use crate::frame::Frame;
 use crate::interaction::{Footing, Interaction, footing, interaction, normal};
-use crate::{Affine, AreaSampler, Bounds, Hit, Ray, Surface, SurfaceSample, Vec3};
+use crate::{
+    Affine, AllHits, AreaSampler, Bounds, Hit, Hits, Ray, Rays, Surface, SurfaceSample, Vec3,
+};
 
 /// Surfaces in many places, numbered in the order in which they were placed.
 ///
@@ -193,6 +195,24 @@ impl Instances {
     pub fn all(&self, instance: u32, ray: &Ray, hits: &mut Vec<Hit>) {
         let (surface, frame) = self.at(instance);
         surface.all_from(frame, ray, hits);
+    }
+
+    /// The closest hits of many rays; see [`Surface::closest_of_many`].
+    pub fn closest_of_many(&self, instance: u32, rays: &Rays<'_>, hits: &mut Hits) {
+        let (surface, frame) = self.at(instance);
+        surface.closest_of_many_from(frame, rays, hits);
+    }
+
+    /// Whether many rays have any hit; see [`Surface::any_of_many`].
+    pub fn any_of_many(&self, instance: u32, rays: &Rays<'_>, hits: &mut [bool]) {
+        let (surface, frame) = self.at(instance);
+        surface.any_of_many_from(frame, rays, hits);
+    }
+
+    /// All hits of many rays; see [`Surface::all_of_many`].
+    pub fn all_of_many(&self, instance: u32, rays: &Rays<'_>, hits: &mut AllHits) {
+        let (surface, frame) = self.at(instance);
+        surface.all_of_many_from(frame, rays, hits);
     }
 
     /// The full answer for a hit on an instance, in the world.

@@ -211,24 +211,13 @@ impl Surface {
     /// Whether many rays have any hit, as [`any`](Self::any) tells for each; `hits` is as long as there
     /// are rays, what lies beyond either is left out.
     pub fn any_of_many(&self, rays: &Rays<'_>, hits: &mut [bool]) {
-        if let Some(wide) = self.engine.wide() {
-            return wide.any_of_many(&self.pieces, &self.frame, rays, hits);
-        }
-        for (i, hit) in hits.iter_mut().enumerate().take(rays.len()) {
-            *hit = self.any(&rays.get(i));
-        }
+        self.any_of_many_from(&self.frame, rays, hits);
     }
 
     /// The closest hits of many rays: the same as [`closest`](Self::closest) finds for each, t apart
     /// by rounding.
     pub fn closest_of_many(&self, rays: &Rays<'_>, hits: &mut Hits) {
-        if let Some(wide) = self.engine.wide() {
-            return wide.closest_of_many(&self.pieces, &self.frame, rays, hits);
-        }
-        hits.clear(rays.len());
-        for i in 0..rays.len() {
-            hits.set(i, self.closest(&rays.get(i)));
-        }
+        self.closest_of_many_from(&self.frame, rays, hits);
     }
 
     /// All hits of many rays: the same as [`all`](Self::all) finds for each, t apart by rounding. What `hits` held is lost.
@@ -245,18 +234,7 @@ impl Surface {
     /// # Ok::<(), rondure::ProfileError>(())
     /// ```
     pub fn all_of_many(&self, rays: &Rays<'_>, hits: &mut AllHits) {
-        let mut gathered = Gathered::new(rays.len());
-        match self.engine.wide() {
-            Some(wide) => wide.all_of_many(&self.pieces, &self.frame, rays, &mut gathered),
-            None => {
-                let mut own = Vec::new();
-                for i in 0..rays.len() {
-                    self.all(&rays.get(i), &mut own);
-                    gathered.add(i, &own);
-                }
-            }
-        }
-        gathered.sorted(hits);
+        self.all_of_many_from(&self.frame, rays, hits);
     }
 
     /// The full answer for a hit that this surface reported for this ray.
@@ -358,6 +336,40 @@ impl Surface {
             local.range[1]
         });
         hits.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.piece.cmp(&b.piece)));
+    }
+
+    pub(crate) fn any_of_many_from(&self, frame: &Frame, rays: &Rays<'_>, hits: &mut [bool]) {
+        if let Some(wide) = self.engine.wide() {
+            return wide.any_of_many(&self.pieces, frame, rays, hits);
+        }
+        for (i, hit) in hits.iter_mut().enumerate().take(rays.len()) {
+            *hit = self.any_from(frame, &rays.get(i));
+        }
+    }
+
+    pub(crate) fn closest_of_many_from(&self, frame: &Frame, rays: &Rays<'_>, hits: &mut Hits) {
+        if let Some(wide) = self.engine.wide() {
+            return wide.closest_of_many(&self.pieces, frame, rays, hits);
+        }
+        hits.clear(rays.len());
+        for i in 0..rays.len() {
+            hits.set(i, self.closest_from(frame, &rays.get(i)));
+        }
+    }
+
+    pub(crate) fn all_of_many_from(&self, frame: &Frame, rays: &Rays<'_>, hits: &mut AllHits) {
+        let mut gathered = Gathered::new(rays.len());
+        match self.engine.wide() {
+            Some(wide) => wide.all_of_many(&self.pieces, frame, rays, &mut gathered),
+            None => {
+                let mut own = Vec::new();
+                for i in 0..rays.len() {
+                    self.all_from(frame, &rays.get(i), &mut own);
+                    gathered.add(i, &own);
+                }
+            }
+        }
+        gathered.sorted(hits);
     }
 
     /// All hits of the whole line, in no particular order, each with its step (see

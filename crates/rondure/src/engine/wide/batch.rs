@@ -34,8 +34,8 @@ trait Answers {
         false
     }
 
-    /// Answers the rays of a lot.
-    fn apart<S: Simd>(&mut self, simd: S, wide: &Wide, lot: &mut Lot);
+    /// Answers the rays of a lot, or leaves them to `single`.
+    fn apart<S: Simd>(&mut self, simd: S, wide: &Wide, lot: &mut Lot, single: &mut Vec<usize>);
 
     /// Answers one ray.
     fn one(&mut self, target: &Target<'_>, index: usize, ray: &Ray);
@@ -50,8 +50,8 @@ struct All<'a> {
 
 impl Answers for All<'_> {
     #[inline(always)]
-    fn apart<S: Simd>(&mut self, simd: S, wide: &Wide, lot: &mut Lot) {
-        wide.all_apart(simd, lot, &mut self.every, self.hits);
+    fn apart<S: Simd>(&mut self, simd: S, wide: &Wide, lot: &mut Lot, single: &mut Vec<usize>) {
+        wide.all_apart(simd, lot, &mut self.every, self.hits, single);
     }
 
     fn one(&mut self, target: &Target<'_>, index: usize, ray: &Ray) {
@@ -82,8 +82,8 @@ impl Answers for Hits {
     }
 
     #[inline(always)]
-    fn apart<S: Simd>(&mut self, simd: S, wide: &Wide, lot: &mut Lot) {
-        wide.closest_apart(simd, lot, self);
+    fn apart<S: Simd>(&mut self, simd: S, wide: &Wide, lot: &mut Lot, single: &mut Vec<usize>) {
+        wide.closest_apart(simd, lot, self, single);
     }
 
     fn one(&mut self, target: &Target<'_>, index: usize, ray: &Ray) {
@@ -106,8 +106,8 @@ impl Answers for [bool] {
     }
 
     #[inline(always)]
-    fn apart<S: Simd>(&mut self, simd: S, wide: &Wide, lot: &mut Lot) {
-        wide.any_apart(simd, lot, self);
+    fn apart<S: Simd>(&mut self, simd: S, wide: &Wide, lot: &mut Lot, single: &mut Vec<usize>) {
+        wide.any_apart(simd, lot, self, single);
     }
 
     fn one(&mut self, target: &Target<'_>, index: usize, ray: &Ray) {
@@ -168,39 +168,48 @@ impl Target<'_> {
         answers: &mut A,
     ) {
         let &Self { wide, frame, .. } = self;
-        let mut lot = Lot::new(wide.blocks.len());
-        let whole = whole(frame, count);
+        // Where all rays go together there is no need of it.
+        let mut lot: Option<Box<Lot>> = None;
+        let mut single = Vec::new();
+        let whole = count - count % SIXTEEN;
         for start in (0..whole).step_by(SIXTEEN) {
-            if pass(simd, wide, rays, start) && pass(simd, wide, rays, start + WIDTH) {
+            if pass(simd, wide, frame, rays, start) && pass(simd, wide, frame, rays, start + WIDTH)
+            {
                 continue;
             }
             let near = [
                 Near::new(simd, wide, frame, rays, start),
                 Near::new(simd, wide, frame, rays, start + WIDTH),
             ];
-            lot.refuse(&near, start);
+            let strange = near[0].strange | near[1].strange << WIDTH;
+            if strange != 0 {
+                single.extend(bits(strange).map(|lane| start + lane));
+            }
             if near[0].meets | near[1].meets != 0 {
                 let answered = match Packet::new(simd, &near) {
-                    Some(packet) => answers.together(simd, wide, &packet, start, &mut lot.single),
+                    Some(packet) => answers.together(simd, wide, &packet, start, &mut single),
                     None => false,
                 };
                 if !answered && wide.takes_lots() {
+                    let lot = lot.get_or_insert_with(|| Box::new(Lot::new(wide.blocks.len())));
                     lot.take(simd, &near[0], start);
                     lot.take(simd, &near[1], start + WIDTH);
                     if lot.is_full() {
-                        answers.apart(simd, wide, &mut lot);
+                        answers.apart(simd, wide, lot, &mut single);
                     }
                 } else if !answered {
                     let meets = near[0].meets | near[1].meets << WIDTH;
-                    lot.single.extend(bits(meets).map(|lane| start + lane));
+                    single.extend(bits(meets).map(|lane| start + lane));
                 }
             }
-            if lot.single.len() >= OVER {
-                self.answer_one_by_one(rays, lot.single.drain(..), answers);
+            if single.len() >= OVER {
+                self.answer_one_by_one(rays, single.drain(..), answers);
             }
         }
-        answers.apart(simd, wide, &mut lot);
-        self.answer_one_by_one(rays, lot.single.into_iter().chain(whole..count), answers);
+        if let Some(lot) = &mut lot {
+            answers.apart(simd, wide, lot, &mut single);
+        }
+        self.answer_one_by_one(rays, single.into_iter().chain(whole..count), answers);
     }
 
     fn answer_one_by_one<A: Answers + ?Sized>(
@@ -213,9 +222,4 @@ impl Target<'_> {
             answers.one(self, index, &rays.get(index));
         }
     }
-}
-
-/// How many of the first rays come in sixteens: none of those that have to be turned.
-fn whole(frame: &Frame, len: usize) -> usize {
-    if frame.inverse().is_some() { 0 } else { len - len % SIXTEEN }
 }

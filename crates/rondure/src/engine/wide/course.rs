@@ -68,7 +68,7 @@ pub(super) const FAR: f64 = 4096.0;
 pub(super) const VANISHING: f64 = f64::MIN_POSITIVE;
 
 /// A placement that is so flat that turning a ray cancels all but this part of it is for the exact engine.
-const FLAT: f64 = 64.0;
+pub(super) const FLAT: f64 = 64.0;
 
 /// Squared lengths of directions, in these units, for which nothing overflows, not even in f32, or vanishes.
 pub(super) const SHORTEST: f64 = 1.0 / (1_u64 << 60) as f64;

@@ -22,6 +22,8 @@ pub(super) struct Aim<S: Simd> {
     pub(super) direction: [f64x8<S>; 3],
     pub(super) length2: f64x8<S>,
     pub(super) far: f64x8<S>,
+    /// The ray's own parameter is tau + shift.
+    pub(super) shift: f64x8<S>,
     /// About which parameters on the curves, and on the rays.
     pub(super) s: f64x8<S>,
     pub(super) tau: f64x8<S>,
@@ -40,8 +42,9 @@ pub(super) struct Landing<S: Simd> {
     /// In which lanes that is a hit for certain, as a set of bits.
     pub(super) certain: u32,
     pub(super) s: f64x8<S>,
-    pub(super) tau: f64x8<S>,
-    /// How far off rounding may put tau.
+    /// In the ray's own parameter.
+    pub(super) t: f64x8<S>,
+    /// How far off rounding may put that.
     pub(super) margin: f64x8<S>,
 }
 
@@ -88,7 +91,7 @@ impl<S: Simd> Aim<S> {
         }
         let rounding = (self.far + splat(simd, 2.0)) * splat(simd, ROUNDING) * per.abs();
         let (off_s, off) = (rounding * along, rounding * across);
-        let off = tau.abs().mul_add(splat(simd, 4.0 * UNIT_ROUNDOFF), off);
+        let off = (tau.abs() + self.shift.abs()).mul_add(splat(simd, 4.0 * UNIT_ROUNDOFF), off);
         let is = (tau - spot).abs().simd_le(self.blur + self.blur)
             & s.simd_ge(self.valid[0])
             & s.simd_le(self.valid[1])
@@ -96,7 +99,8 @@ impl<S: Simd> Aim<S> {
             & s.simd_lt(one - off_s)
             & tau.simd_gt(self.range[0] + off)
             & tau.simd_lt(self.range[1] - off);
-        Landing { certain: is.to_bitmask() as u32 & last & wanted, s, tau, margin: off }
+        let t = tau + self.shift;
+        Landing { certain: is.to_bitmask() as u32 & last & wanted, s, t, margin: off }
     }
 
     /// r, r', z and z', as [`Curve`](super::leaf::Curve) has them.

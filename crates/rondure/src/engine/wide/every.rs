@@ -75,6 +75,7 @@ impl Wide {
         lot: &mut Lot,
         every: &mut Every,
         hits: &mut Gathered,
+        single: &mut Vec<usize>,
     ) {
         every.tasks.clear();
         every.found.clear();
@@ -98,7 +99,7 @@ impl Wide {
             sort(own);
             let close = own.windows(2).any(|pair| pair[1].t - pair[0].t <= state.close);
             if state.unsure | close {
-                lot.single.push(lot.number(number));
+                single.push(lot.number(number));
             } else {
                 hits.add(lot.number(number), own);
             }
@@ -155,6 +156,7 @@ impl Wide {
                 direction: rays.direction,
                 length2: rays.length2,
                 far: rays.far,
+                shift: rays.shift,
                 s: column(|spot| spot.s),
                 tau: column(|spot| spot.tau),
                 blur: column(|spot| spot.blur),
@@ -171,7 +173,7 @@ impl Wide {
                 for lane in bits(landing.certain) {
                     let lane = lane % WIDTH;
                     let ray = eight[lane].ray;
-                    let (t, s) = (landing.tau[lane], landing.s[lane]);
+                    let (t, s) = (landing.t[lane], landing.s[lane]);
                     every.found.push((ray, Hit { t, piece: targets.pieces[lane], s }));
                     let state = &mut every.rays[ray as usize % LOT];
                     state.count += 1;

@@ -49,6 +49,7 @@ pub(super) struct Lot {
     length2: Column,
     range: [Column; 2],
     far: Column,
+    shift: Column,
     /// For each block where the rays enter its box; infinity if they don't, or have been there.
     enters: Vec<Row<f32>>,
     /// For each ray the nearest block, where the ray enters that, and where the one after it.
@@ -61,8 +62,6 @@ pub(super) struct Lot {
     unsure: Row<bool>,
     /// The places to look for hits, one for each ray that has any.
     spots: Places,
-    /// Those that have to be answered one by one.
-    pub(super) single: Vec<usize>,
 }
 
 /// Some of the rays, as numbered in the lot.
@@ -139,21 +138,33 @@ impl Wide {
         self.blocks.len() <= MOST_BLOCKS
     }
 
-    /// The closest hits of the rays in a lot, which then is empty.
+    /// The closest hits of the rays in a lot, which then is empty; the numbers of those that are not certain go to `single`.
     #[inline(always)]
-    pub(super) fn closest_apart<S: Simd>(&self, simd: S, lot: &mut Lot, hits: &mut Hits) {
+    pub(super) fn closest_apart<S: Simd>(
+        &self,
+        simd: S,
+        lot: &mut Lot,
+        hits: &mut Hits,
+        single: &mut Vec<usize>,
+    ) {
         lot.set_out(simd, self);
         while lot.seeking.len != 0 {
-            self.find_spots(simd, lot);
+            self.find_spots(simd, lot, single);
             lot.look_again(simd);
         }
-        self.find_hits(simd, lot, hits);
+        self.find_hits(simd, lot, hits, single);
         lot.len = 0;
     }
 
     /// Whether the rays in a lot, which then is empty, have any hit.
     #[inline(always)]
-    pub(super) fn any_apart<S: Simd>(&self, simd: S, lot: &mut Lot, hits: &mut [bool]) {
+    pub(super) fn any_apart<S: Simd>(
+        &self,
+        simd: S,
+        lot: &mut Lot,
+        hits: &mut [bool],
+        single: &mut Vec<usize>,
+    ) {
         lot.set_out(simd, self);
         while lot.seeking.len != 0 {
             self.find_any(simd, lot, hits);
@@ -161,7 +172,7 @@ impl Wide {
         }
         for i in 0..lot.len.min(LOT) {
             if lot.unsure[i] && !hits[lot.ray[i]] {
-                lot.single.push(lot.ray[i]);
+                single.push(lot.ray[i]);
             }
         }
         lot.len = 0;
@@ -188,7 +199,7 @@ impl Wide {
     /// Finds the nearest spot in the block of each ray; those that have none go on seeking, and those whose next block
     /// begins before it.
     #[inline(always)]
-    fn find_spots<S: Simd>(&self, simd: S, lot: &mut Lot) {
+    fn find_spots<S: Simd>(&self, simd: S, lot: &mut Lot, single: &mut Vec<usize>) {
         let seeking = core::mem::take(&mut lot.seeking.len);
         for k in 0..seeking.min(LOT) {
             let ray = lot.seeking.rays[k];
@@ -202,7 +213,7 @@ impl Wide {
             // Few are.
             if meeting.tangent != 0 {
                 lot.spots.there &= !(1 << number);
-                lot.single.push(lot.ray[number]);
+                single.push(lot.ray[number]);
                 continue;
             }
             let enter = f64::from(enter);
@@ -218,7 +229,7 @@ impl Wide {
 
     /// Finds the hits at all spots.
     #[inline(always)]
-    fn find_hits<S: Simd>(&self, simd: S, lot: &mut Lot, hits: &mut Hits) {
+    fn find_hits<S: Simd>(&self, simd: S, lot: &mut Lot, hits: &mut Hits, single: &mut Vec<usize>) {
         for start in (0..lot.len.min(LOT)).step_by(WIDTH) {
             let there = (lot.spots.there >> start) as u32 & 0xff;
             if there == 0 {
@@ -234,6 +245,7 @@ impl Wide {
                 direction: [f64s(dx), f64s(dy), f64s(dz)],
                 length2: f64s(&lot.length2),
                 far: f64s(&lot.far),
+                shift: f64s(&lot.shift),
                 s: f64s(&lot.spots.s),
                 tau: f64s(&lot.spots.tau),
                 blur: f64s(&lot.spots.blur),
@@ -250,14 +262,14 @@ impl Wide {
                 let landing = aim.hit(simd, conic, lanes);
                 for lane in bits(landing.certain) {
                     let index = lot.ray[start + lane];
-                    hits.t[index] = landing.tau[lane % WIDTH];
+                    hits.t[index] = landing.t[lane % WIDTH];
                     hits.piece[index] = targets.pieces[lane % WIDTH];
                     hits.s[index] = landing.s[lane % WIDTH];
                 }
                 found |= landing.certain;
             }
             for lane in bits(there & !found) {
-                lot.single.push(lot.ray[start + lane]);
+                single.push(lot.ray[start + lane]);
             }
         }
         lot.spots = Places::NONE;
@@ -322,6 +334,7 @@ impl Lot {
             length2: column,
             range: [column; 2],
             far: column,
+            shift: column,
             enters: vec![[f32::INFINITY; LOT]; rows],
             block: [0; LOT],
             enter: [0.0; LOT],
@@ -329,7 +342,6 @@ impl Lot {
             seeking: Seeking { len: 0, rays: [0; LOT] },
             unsure: [false; LOT],
             spots: Places::NONE,
-            single: Vec::with_capacity(LOT),
         }
     }
 
@@ -368,6 +380,7 @@ impl Lot {
             direction: [pick(dx), pick(dy), pick(dz)],
             length2: pick(&self.length2),
             far: pick(&self.far),
+            shift: pick(&self.shift),
             range: [pick(&self.range[0]), pick(&self.range[1])],
         }
     }
@@ -473,16 +486,7 @@ impl Lot {
             far: self.far[i],
             turn: 0.0,
             range: [self.range[0][i], self.range[1][i]],
-            shift: 0.0,
-        }
-    }
-
-    /// Leaves rays that are not for batches, of sixteen from the one numbered `start` on, to be answered one by one.
-    #[inline(always)]
-    pub(super) fn refuse<S: Simd>(&mut self, near: &[Near<S>; 2], start: usize) {
-        let strange = near[0].strange | near[1].strange << WIDTH;
-        if strange != 0 {
-            self.single.extend(bits(strange).map(|lane| start + lane));
+            shift: self.shift[i],
         }
     }
 
@@ -501,6 +505,7 @@ impl Lot {
         }
         put(near.length2, mask, &mut self.length2, at);
         put(near.far, mask, &mut self.far, at);
+        put(near.shift, mask, &mut self.shift, at);
         put(near.range[0], mask, &mut self.range[0], at);
         put(near.range[1], mask, &mut self.range[1], at);
         for lane in bits(near.meets) {
@@ -516,6 +521,7 @@ pub(super) struct Chosen<S: Simd> {
     pub(super) direction: [f64x8<S>; 3],
     pub(super) length2: f64x8<S>,
     pub(super) far: f64x8<S>,
+    pub(super) shift: f64x8<S>,
     pub(super) range: [f64x8<S>; 2],
 }
 

@@ -376,6 +376,7 @@ impl Wide {
                     direction: near.direction,
                     length2: near.length2,
                     far: near.far,
+                    shift: near.shift,
                     s: block.guesses(simd, lane, lambda[half]),
                     tau: origin[half] + tau[half],
                     blur: blur[half],
@@ -386,7 +387,7 @@ impl Wide {
                 let landing = aim.hit(simd, leaf.is_conic(), lanes);
                 for lane in bits(landing.certain) {
                     let index = start + half * WIDTH + lane;
-                    hits.t[index] = landing.tau[lane % WIDTH];
+                    hits.t[index] = landing.t[lane % WIDTH];
                     hits.piece[index] = leaf.piece();
                     hits.s[index] = landing.s[lane % WIDTH];
                 }
