@@ -24,6 +24,12 @@ impl Window {
         self.width as u64 * self.height as u64
     }
 
+    /// Its pixels, column and row, row by row.
+    pub fn coordinates(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
+        let Self { x, y, width, height } = *self;
+        (y..y + height).flat_map(move |y| (x..x + width).map(move |x| (x, y)))
+    }
+
     /// The column behind the last one.
     const fn right(&self) -> u64 {
         self.x as u64 + self.width as u64

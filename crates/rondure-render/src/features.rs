@@ -1,6 +1,6 @@
 //! What the eye sees first along a ray, for the layers beside the light.
 //!
-//! Asked apart from the light, and only where a film keeps it. Mirrors, clear glass and lamps have a white albedo: what they show is not theirs.
+//! Only where a film keeps it. Mirrors, clear glass and lamps have a white albedo: what they show is not theirs.
 
 use rondure::Ray;
 use rondure_film::{Center, Guide};
@@ -9,23 +9,23 @@ use crate::{
     camera::View,
     color::Rgb,
     finish::Finish,
-    world::{Role, World},
+    world::{Contact, Role, World},
 };
 
 /// Albedo and normal of what a ray meets.
-pub(crate) fn guide(world: &World, ray: &Ray) -> Guide {
-    let Some(contact) = world.closest(ray) else { return Guide::default() };
-    let surface = world.interaction(ray, &contact);
+pub(crate) fn guide(world: &World, ray: &Ray, met: Option<&Contact>) -> Guide {
+    let Some(contact) = met else { return Guide::default() };
+    let surface = world.interaction(ray, contact);
     let outgoing = -ray.direction;
-    let spot = world.spot(&contact, &surface, outgoing);
-    let (albedo, shading) = match world.met(ray, &contact) {
+    let spot = world.spot(contact, &surface, outgoing);
+    let (albedo, shading) = match world.met(ray, contact) {
         Role::Lamp(_) => (Rgb::WHITE, surface.normal),
         Role::Surface { finish, .. } => {
             let albedo = match world.finish(finish) {
                 Finish::Matte { color } | Finish::Glossy { color, .. } => color.at(&spot),
                 Finish::Mirror { .. } | Finish::Glass { .. } => Rgb::WHITE,
             };
-            (albedo, world.shading_normal(finish, &contact, &surface, &spot, outgoing))
+            (albedo, world.shading_normal(finish, contact, &surface, &spot, outgoing))
         }
     };
     let normal = if spot.front { shading } else { -shading };

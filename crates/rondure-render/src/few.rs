@@ -47,6 +47,18 @@ impl Few {
         &self.flats
     }
 
+    /// What is solved in place beside those.
+    #[inline]
+    pub(crate) fn simple(&self) -> &[u32] {
+        &self.simple
+    }
+
+    /// The turned things.
+    #[inline]
+    pub(crate) fn turned(&self) -> impl Iterator<Item = u32> + '_ {
+        self.turned.iter().map(|ball| ball.thing)
+    }
+
     /// Visits what else the ray may meet in its range. `visit` returns up to which t the search goes on; minus infinity
     /// stops.
     #[inline(always)]

@@ -22,7 +22,7 @@ use crate::{
     light::Incoming,
     sampler::{Key, SPLIT_BITS, Sample},
     warp::{self, Frame},
-    world::{Role, World},
+    world::{Contact, Role, World},
 };
 
 /// The least weight of a path that follows both reflection and refraction.
@@ -140,9 +140,9 @@ pub(crate) fn split_bits(spp: u32) -> u32 {
 }
 
 impl Tracer<'_> {
-    /// The radiance that comes against a ray from the camera, of unit direction.
+    /// The radiance that comes against a ray from the camera, of unit direction, which meets the world at `first`.
     #[inline]
-    pub(crate) fn camera_ray(&mut self, ray: &Ray) -> Rgb {
+    pub(crate) fn camera_ray(&mut self, ray: &Ray, first: Option<Contact>) -> Rgb {
         self.statistics.camera_rays += 1;
         let path = Path {
             depth: 0,
@@ -152,12 +152,12 @@ impl Tracer<'_> {
             key: Key::ROOT,
             media: Media::default(),
         };
-        self.radiance(ray, path)
+        self.radiance(ray, first, path)
     }
 
-    fn radiance(&mut self, ray: &Ray, mut path: Path) -> Rgb {
+    fn radiance(&mut self, ray: &Ray, met: Option<Contact>, mut path: Path) -> Rgb {
         let world = self.world;
-        let Some(contact) = world.closest(ray) else {
+        let Some(contact) = met else {
             return world.sky.radiance(ray.direction);
         };
         let faded = match path.media.top() {
@@ -342,7 +342,7 @@ impl Tracer<'_> {
         let off = direction.dot(side);
         let direction = if off < 0.0 { direction - side * (2.0 * off) } else { direction };
         let ray = place.surface.spawn(direction);
-        self.radiance(&ray, next) * weight
+        self.radiance(&ray, self.world.closest(&ray), next) * weight
     }
 
     /// The highlights of the lights that have no body in a perfectly smooth surface.

@@ -5,6 +5,7 @@
 
 use core::ops::Range;
 
+use rondure::Ray;
 use rondure_film::{Film, Guide, Layers, Pass, PixelSample, Portion, Statistics, Window};
 use rondure_scene::{Integrator, Scene};
 
@@ -19,7 +20,7 @@ use crate::{
         photons::{Aim, Photons, Volley},
     },
     sampler::{Key, Sample},
-    world::World,
+    world::{Batch, World},
 };
 
 /// The most reflections and refractions, whatever the scene asks for: after so many, the most
@@ -51,6 +52,18 @@ impl Prepared {
     pub fn pass(&self) -> Pass {
         self.pass
     }
+}
+
+/// The pixels across and down whose rays from the camera go together.
+const EDGE: u32 = 4;
+
+/// One sample each of the pixels of a square whose corner is a multiple of its edge, row by row.
+#[derive(Debug, Default)]
+struct Group {
+    /// The samples, and whether their weights in the film are negative.
+    aims: Vec<(Sample, bool)>,
+    rays: Vec<Ray>,
+    batch: Batch,
 }
 
 /// What the samples of a tile add up to.
@@ -156,18 +169,27 @@ impl<'a> Job<'a> {
         let mut film = Film::new(self.size(), tile, self.layers)?;
         let mut statistics = Statistics::default();
         let mut tracer = self.tracer(prepared);
-        for y in tile.y..tile.y + tile.height {
+        let mut group = Group::default();
+        for corner_y in (tile.y / EDGE * EDGE..tile.y + tile.height).step_by(EDGE as usize) {
             if progress.is_cancelled() {
                 return Err(RenderError::Cancelled);
             }
-            for x in tile.x..tile.x + tile.width {
+            for corner_x in (tile.x / EDGE * EDGE..tile.x + tile.width).step_by(EDGE as usize) {
+                let pixels = Window { x: corner_x, y: corner_y, width: EDGE, height: EDGE };
+                let Some(wanted) = pixels.common(&tile) else { continue };
                 if self.layers.guides && samples.start == 0 {
-                    film.set_center(x, y, features::center(&self.world, &self.view, x, y));
+                    for (x, y) in wanted.coordinates() {
+                        film.set_center(x, y, features::center(&self.world, &self.view, x, y));
+                    }
                 }
                 for index in samples.clone() {
-                    match self.sample(tracer.as_mut(), x, y, index, &mut statistics) {
-                        Some(sample) if film.add(x, y, &sample) => {}
-                        _ => statistics.invalid_samples += 1,
+                    self.aim(&pixels, index, &mut group);
+                    for (x, y) in wanted.coordinates() {
+                        let i = ((y - corner_y) * EDGE + x - corner_x) as usize;
+                        match self.sample(tracer.as_mut(), &group, i, &mut statistics) {
+                            Some(sample) if film.add(x, y, &sample) => {}
+                            _ => statistics.invalid_samples += 1,
+                        }
                     }
                 }
             }
@@ -176,6 +198,25 @@ impl<'a> Job<'a> {
             statistics.add(&tracer.statistics);
         }
         Ok(TileSums { film, statistics })
+    }
+
+    /// Aims at some pixels, one sample each, and finds what their rays meet.
+    ///
+    /// How a ray is answered depends, by rounding, on those beside it. So that the picture does not depend on the tiles it is made of, all rays of
+    /// the group are asked about, also those that are not wanted.
+    fn aim(&self, pixels: &Window, index: u32, group: &mut Group) {
+        group.aims.clear();
+        group.rays.clear();
+        for (x, y) in pixels.coordinates() {
+            let sample = Sample::new(self.seed, x, y, index);
+            let (u, v) = sample.pair(Key::FILTER);
+            let lens = if self.view.has_lens() { sample.pair(Key::LENS) } else { (0.5, 0.5) };
+            let ((across, a), (down, b)) = (self.filter.offset(u), self.filter.offset(v));
+            let (x, y) = (f64::from(x) + 0.5 + across, f64::from(y) + 0.5 + down);
+            group.rays.push(self.view.ray(x, y, lens));
+            group.aims.push((sample, a != b));
+        }
+        self.world.closest_of_many(&group.rays, &mut group.batch);
     }
 
     /// What follows paths, unless the integrator is Whitted's.
@@ -188,24 +229,19 @@ impl<'a> Job<'a> {
             .then(|| path::Tracer::new(&self.world, photons, depth, branches))
     }
 
-    /// One sample of one pixel; `None` if it is not an amount of light.
+    /// One sample of a group; `None` if it is not an amount of light.
     fn sample(
         &self,
         tracer: Option<&mut path::Tracer<'_>>,
-        x: u32,
-        y: u32,
-        index: u32,
+        group: &Group,
+        i: usize,
         statistics: &mut Statistics,
     ) -> Option<PixelSample> {
         let film = &self.scene.film;
-        let sample = Sample::new(self.seed, x, y, index);
-        let (u, v) = sample.pair(Key::FILTER);
-        let lens = if self.view.has_lens() { sample.pair(Key::LENS) } else { (0.5, 0.5) };
-        let ((across, a), (down, b)) = (self.filter.offset(u), self.filter.offset(v));
-        let (x, y) = (f64::from(x) + 0.5 + across, f64::from(y) + 0.5 + down);
-        let ray = self.view.ray(x, y, lens);
+        let ((sample, negative), ray) = (group.aims[i], &group.rays[i]);
+        let first = group.batch.contacts[i];
         let light = match tracer {
-            Some(tracer) => tracer.camera_ray(sample, &ray),
+            Some(tracer) => tracer.camera_ray(sample, ray, first),
             None => {
                 let mut tracer = Tracer {
                     world: &self.world,
@@ -214,14 +250,17 @@ impl<'a> Job<'a> {
                     split_bits: split_bits(film.spp),
                     statistics: Statistics::default(),
                 };
-                let light = tracer.camera_ray(&ray);
+                let light = tracer.camera_ray(ray, first);
                 statistics.add(&tracer.statistics);
                 light
             }
         };
-        let guide =
-            if self.layers.guides { features::guide(&self.world, &ray) } else { Guide::default() };
+        let guide = if self.layers.guides {
+            features::guide(&self.world, ray, first.as_ref())
+        } else {
+            Guide::default()
+        };
         let light = light.is_light().then_some([light.r, light.g, light.b])?;
-        Some(PixelSample { light, negative: a != b, guide })
+        Some(PixelSample { light, negative, guide })
     }
 }

@@ -5,7 +5,7 @@
 
 use std::collections::HashMap;
 
-use rondure::{Bounds, Bvh, Footing, Hit, Instance, Interaction, Ray, Vec3};
+use rondure::{Bounds, Bvh, Footing, Hit, Hits, Instance, Interaction, Ray, RayColumns, Vec3};
 use rondure_scene::{Integrator, Light, Scene, Shape as Described};
 
 use crate::{
@@ -42,6 +42,16 @@ pub(crate) struct Contact {
     pub(crate) thing: u32,
     pub(crate) t: f64,
     on: On,
+}
+
+/// Where rays that are asked about together meet the world, with room to work it out.
+#[derive(Debug, Default)]
+pub(crate) struct Batch {
+    /// One for each ray.
+    pub(crate) contacts: Vec<Option<Contact>>,
+    columns: RayColumns,
+    hits: Hits,
+    best: Vec<Option<(u32, Hit)>>,
 }
 
 /// What a contact is on.
@@ -423,7 +433,13 @@ impl World {
                 }
             }
         }
-        let thing = best.map(|(thing, hit)| Contact { thing, t: hit.t, on: On::Thing(hit) });
+        self.or_body(best, shortened)
+    }
+
+    /// The nearest of a thing, which a ray was shortened to, and the bodies.
+    #[inline]
+    fn or_body(&self, thing: Option<(u32, Hit)>, mut shortened: Ray) -> Option<Contact> {
+        let thing = thing.map(|(thing, hit)| Contact { thing, t: hit.t, on: On::Thing(hit) });
         let Some(bodies) = &self.bodies else { return thing };
         match bodies.closest(&mut shortened) {
             Some((body, t, place)) if thing.is_none_or(|thing| t < thing.t) => {
@@ -431,6 +447,41 @@ impl World {
                 Some(Contact { thing: number, t, on: On::Body(place) })
             }
             _ => thing,
+        }
+    }
+
+    /// What [`closest`](Self::closest) finds for each of some rays that are alike, apart by rounding, which depends on all of them.
+    pub(crate) fn closest_of_many(&self, rays: &[Ray], batch: &mut Batch) {
+        let Batch { contacts, .. } = batch;
+        contacts.clear();
+        let Some(few) = &self.few else {
+            contacts.extend(rays.iter().map(|ray| self.closest(ray)));
+            return;
+        };
+        let Batch { columns, hits, best, .. } = batch;
+        best.clear();
+        columns.clear();
+        columns.extend(rays);
+        for (i, ray) in rays.iter().enumerate() {
+            let flat = few.flats().closest(ray);
+            let mut nearest = flat.map(|(thing, t)| (thing, Hit { t, piece: 0, s: 0.0 }));
+            for &thing in few.simple() {
+                nearest = nearer(nearest, thing, self.things.closest(thing, ray));
+            }
+            columns.set_end(i, nearest.map_or(ray.t_max, |(_, hit)| hit.t));
+            best.push(nearest);
+        }
+        for thing in few.turned() {
+            self.things.turned.closest_of_many(thing, &columns.rays(), hits);
+            for (i, nearest) in best.iter_mut().enumerate() {
+                if let Some(hit) = hits.get(i) {
+                    *nearest = nearer(*nearest, thing, Some(hit));
+                    columns.set_end(i, hit.t);
+                }
+            }
+        }
+        for (i, nearest) in best.iter().enumerate() {
+            contacts.push(self.or_body(*nearest, columns.rays().get(i)));
         }
     }
 
@@ -534,6 +585,16 @@ impl World {
             depth = depth.map(|v| v.max(0.0)) + more;
         }
         depth.map(|v| (-v.max(0.0)).exp()) * passed
+    }
+}
+
+/// The nearer of two hits; at the same place that on the thing of the smaller number.
+#[inline]
+fn nearer(best: Option<(u32, Hit)>, thing: u32, hit: Option<Hit>) -> Option<(u32, Hit)> {
+    match (best, hit) {
+        (Some((other, at)), Some(hit)) if hit.t > at.t || (hit.t == at.t && thing > other) => best,
+        (_, Some(hit)) => Some((thing, hit)),
+        (_, None) => best,
     }
 }
 

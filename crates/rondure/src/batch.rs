@@ -70,20 +70,44 @@ impl RayColumns {
     }
 }
 
-impl<'a> FromIterator<&'a Ray> for RayColumns {
-    fn from_iter<I: IntoIterator<Item = &'a Ray>>(rays: I) -> Self {
-        let mut columns = Self::default();
+impl RayColumns {
+    /// No rays any more, but the room that they took.
+    pub fn clear(&mut self) {
+        for column in self.origin.iter_mut().chain(&mut self.direction).chain(&mut self.range) {
+            column.clear();
+        }
+    }
+
+    /// Gives a ray another end t_max.
+    ///
+    /// # Panics
+    ///
+    /// If there are no more than `index`.
+    pub fn set_end(&mut self, index: usize, t_max: f64) {
+        self.range[1][index] = t_max;
+    }
+}
+
+impl<'a> Extend<&'a Ray> for RayColumns {
+    fn extend<I: IntoIterator<Item = &'a Ray>>(&mut self, rays: I) {
         for ray in rays {
             for (column, value) in
-                [(&mut columns.origin, ray.origin), (&mut columns.direction, ray.direction)]
+                [(&mut self.origin, ray.origin), (&mut self.direction, ray.direction)]
             {
                 column[0].push(value.x);
                 column[1].push(value.y);
                 column[2].push(value.z);
             }
-            columns.range[0].push(ray.t_min);
-            columns.range[1].push(ray.t_max);
+            self.range[0].push(ray.t_min);
+            self.range[1].push(ray.t_max);
         }
+    }
+}
+
+impl<'a> FromIterator<&'a Ray> for RayColumns {
+    fn from_iter<I: IntoIterator<Item = &'a Ray>>(rays: I) -> Self {
+        let mut columns = Self::default();
+        columns.extend(rays);
         columns
     }
 }
@@ -209,6 +233,12 @@ mod tests {
         for (i, ray) in rays.iter().enumerate() {
             assert_eq!(columns.rays().get(i), *ray);
         }
+        let mut columns = columns;
+        columns.set_end(3, 0.5);
+        assert_eq!(columns.rays().get(3), rays[3].with_range(3.0, 0.5));
+        columns.clear();
+        columns.extend(&rays[1..2]);
+        assert_eq!((columns.rays().len(), columns.rays().get(0)), (1, rays[1]));
     }
 
     #[test]

@@ -31,7 +31,7 @@ use crate::{
     color::Rgb,
     light::{Incoming, Lamp},
     sampler::{Key, Sample},
-    world::{Role, World},
+    world::{Contact, Role, World},
 };
 
 /// The first place on a path at which it can be ended at random.
@@ -154,20 +154,23 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// The radiance that comes against a ray from the camera, of unit direction, with the random numbers of a sample.
+    /// The radiance that comes against a ray from the camera, of unit direction, with the random numbers of a sample; it meets the world
+    /// at `first`.
     ///
     /// As long as the path runs by mirrors and glass, and carries enough weight, both ways are followed that
     /// it can take: what is reflected, and the rest.
-    pub(crate) fn camera_ray(&mut self, sample: Sample, ray: &Ray) -> Rgb {
+    pub(crate) fn camera_ray(&mut self, sample: Sample, ray: &Ray, first: Option<Contact>) -> Rgb {
         self.sample = sample;
         self.statistics.camera_rays += 1;
         let mut light = Rgb::BLACK;
         let mut walk = Walk::from_eye(ray);
         self.media.clear();
+        let mut first = Some(first);
         loop {
             // Boundaries that are none do not count, but there is an end to them too.
             while walk.depth <= self.depth + 1 && walk.hidden <= self.depth + 16 {
-                if !self.step(&mut walk, &mut light) {
+                let met = first.take().unwrap_or_else(|| self.world.closest(&walk.ray));
+                if !self.step(&mut walk, met, &mut light) {
                     break;
                 }
             }
@@ -178,11 +181,11 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// Adds the light that is found at the next place of the path, and goes on from there, if it goes on. Where the path
-    /// branches, the branch waits.
-    fn step(&mut self, walk: &mut Walk, light: &mut Rgb) -> bool {
+    /// Adds the light that is found at the next place of the path, where it meets the world, and goes on from there, if it goes on.
+    /// Where the path branches, the branch waits.
+    fn step(&mut self, walk: &mut Walk, met: Option<Contact>, light: &mut Rgb) -> bool {
         let world = self.world;
-        let Some(contact) = world.closest(&walk.ray) else {
+        let Some(contact) = met else {
             *light += walk.weight * self.sky(walk);
             return false;
         };

@@ -54,7 +54,7 @@ fn measure(world: &World, weighting: Weighting, count: u32) -> [f64; 3] {
     let (mut sum, mut squares) = (0.0, 0.0);
     for i in 0..count {
         // Other pixels, so that samples know nothing of each other.
-        let light = tracer.camera_ray(Sample::new(5, i, 0, 0), &ray).g;
+        let light = tracer.camera_ray(Sample::new(5, i, 0, 0), &ray, world.closest(&ray)).g;
         sum += light;
         squares += light * light;
     }

@@ -22,7 +22,7 @@ fn world(objects: &str) -> World {
 
 /// The colour that a ray from a point towards another sees.
 fn seen(world: &World, from: [f64; 3], to: [f64; 3]) -> [f64; 3] {
-    guide(world, &ray(from, to)).albedo
+    guide(world, &ray(from, to), world.closest(&ray(from, to)).as_ref()).albedo
 }
 
 fn ray(from: [f64; 3], to: [f64; 3]) -> Ray {
@@ -144,7 +144,7 @@ fn reliefs_turn_normals_to_the_viewer() {
             continue;
         }
         let [found, plain] = [&ball, &smooth].map(|world| {
-            let [x, y, z] = guide(world, &ray).normal;
+            let [x, y, z] = guide(world, &ray, world.closest(&ray).as_ref()).normal;
             Vec3::new(x, y, z)
         });
         assert!((found.length() - 1.0).abs() < 1e-12 && found.dot(ray.direction) <= 0.0);
