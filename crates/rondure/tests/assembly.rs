@@ -91,10 +91,10 @@ impl Scene {
         for (closest, first) in closest.iter().zip(&expected) {
             assert_eq!(closest.instance, first.instance, "{ray:?}");
             assert_eq!(closest.hit.piece, first.hit.piece, "{ray:?}");
-            // They come by different ways.
+            // They come by different ways, each of which may be off by as much.
             let at = self.alone[first.instance as usize].interaction(ray, &first.hit);
             let off = (closest.hit.t - first.hit.t).abs() * ray.direction.length();
-            assert!(off <= at.error, "{ray:?}: {closest:?}, {first:?}, off by {off}, {at:?}");
+            assert!(off <= 2.0 * at.error, "{ray:?}: {closest:?}, {first:?}, off by {off}, {at:?}");
         }
         assert_eq!(self.assembly.any(ray), closest.is_some(), "{ray:?}");
         let mut many = [None];

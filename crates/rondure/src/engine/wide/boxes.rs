@@ -305,10 +305,15 @@ impl LeafBoxes {
         Self(half)
     }
 
-    /// Which leaves some ray of a bundle may meet.
+    /// Which leaves some ray of a bundle may meet; no ray enters the box round one before `enters`.
     #[inline(always)]
-    pub(super) fn test<S: Simd>(&self, simd: S, bundle: &Bundle) -> u32 {
-        self.0.test_bundle(simd, bundle, &mut [0.0; HALF])
+    pub(super) fn test<S: Simd>(
+        &self,
+        simd: S,
+        bundle: &Bundle,
+        enters: &mut [f32; HALF],
+    ) -> u32 {
+        self.0.test_bundle(simd, bundle, enters)
     }
 }
 

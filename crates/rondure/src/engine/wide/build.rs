@@ -1,7 +1,10 @@
 //! From pieces to leaves, and from leaves to blocks and boxes.
 
+use arrayvec::ArrayVec;
+
 use super::block::{Block, LANES};
 use super::boxes::{Boxes, Extent, LeafBoxes, WIDTH};
+use super::group;
 use super::leaf::{Curve, Leaf};
 use super::quadric::Quadric;
 use crate::piece::Piece;
@@ -91,44 +94,6 @@ fn extent(piece: &Piece, ends: [f64; 2], unit: f64) -> Extent {
     Extent { z: range(0), w: range(1) }
 }
 
-/// About the share of lines that meet a box: its area, less that of the hole.
-fn weight(extent: &Extent) -> f64 {
-    let [r0, r1] = extent.w.map(|w| w.max(0.0).sqrt());
-    let height = extent.z[1] - extent.z[0];
-    (r1 + 0.25 * (r1 - r0)) * height + (r1 * r1 - r0 * r0)
-}
-
-/// What one more block costs, as a part of the weight of all.
-const BLOCK: f64 = 1.0 / 64.0;
-
-/// Cuts a row of leaves into blocks of eight at the most, so that the boxes round them are small
-/// together. Returns where each block ends.
-fn cuts(extents: &[Extent]) -> Vec<usize> {
-    let whole = extents.iter().fold(Extent::NONE, |all, own| all.union(own));
-    let block = BLOCK * weight(&whole);
-    // The least cost of the first leaves, and where their last block begins.
-    let mut best = vec![(0.0, 0); extents.len() + 1];
-    for end in 1..=extents.len() {
-        let mut around = Extent::NONE;
-        best[end].0 = f64::INFINITY;
-        for start in (end.saturating_sub(LANES)..end).rev() {
-            around = around.union(&extents[start]);
-            let cost = best[start].0 + block + weight(&around);
-            if cost < best[end].0 || start + 1 == end {
-                best[end] = (cost, start);
-            }
-        }
-    }
-    let mut ends = Vec::new();
-    let mut end = extents.len();
-    while end > 0 {
-        ends.push(end);
-        end = best[end].1;
-    }
-    ends.reverse();
-    ends
-}
-
 /// Builds all of it; the pieces must not be empty.
 pub(super) fn build(pieces: &[Piece], unit: f64) -> Built {
     let mut row = Vec::new();
@@ -140,17 +105,15 @@ pub(super) fn build(pieces: &[Piece], unit: f64) -> Built {
     let mut leaf_boxes = Vec::new();
     let mut leaves = Vec::new();
     let mut boxes = Vec::new();
-    let mut start = 0;
-    for end in cuts(&extents) {
-        let parts = &row[start..end];
+    for group in group::groups(&extents) {
+        let parts: ArrayVec<&Part, LANES> = group.iter().map(|&leaf| &row[leaf]).collect();
         let around = parts.iter().fold(Extent::NONE, |all, part| all.union(&part.extent));
         blocks.push(Block::new(parts.iter().map(|part| &part.fit), &around));
         leaf_boxes.push(LeafBoxes::new(parts.iter().map(|part| &part.extent)));
         boxes.push(around);
         leaves.extend(parts.iter().map(|part| part.leaf));
         // So that a lane has the number of its leaf.
-        leaves.extend(core::iter::repeat_n(row[end - 1].leaf, LANES - parts.len()));
-        start = end;
+        leaves.extend(parts.last().into_iter().cycle().take(LANES - parts.len()).map(|p| p.leaf));
     }
     blocks.shrink_to_fit();
     leaves.shrink_to_fit();

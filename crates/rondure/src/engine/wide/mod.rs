@@ -24,6 +24,7 @@ mod course;
 mod eight;
 mod every;
 mod exactly;
+mod group;
 mod leaf;
 mod lot;
 mod meet;

@@ -312,7 +312,13 @@ impl Wide {
                 continue;
             }
             let beam = packet.beam(simd, &self.blocks[block], enter);
-            for lane in bits(self.leaf_boxes[block].test(simd, &packet.bundle)) {
+            let mut enters = [0.0; LANES];
+            for lane in bits(self.leaf_boxes[block].test(simd, &packet.bundle, &mut enters)) {
+                let first = f32x16::splat(simd, enters[lane % LANES]);
+                let met = met & !(nearest.high.simd_lt(first).to_bitmask() as u32);
+                if met == 0 {
+                    continue;
+                }
                 let shells = self.blocks[block].shell(simd, lane);
                 let meeting = meet::<S, f32x16<S>, false>(simd, &shells, &beam);
                 if meeting.tangent & met != 0 {
@@ -422,7 +428,8 @@ impl Wide {
                 continue;
             }
             let beam = packet.beam(simd, &self.blocks[block], enter);
-            for lane in bits(self.leaf_boxes[block].test(simd, &packet.bundle)) {
+            let leaves = self.leaf_boxes[block].test(simd, &packet.bundle, &mut [0.0; LANES]);
+            for lane in bits(leaves) {
                 let shells = self.blocks[block].shell(simd, lane);
                 let meeting = meet::<S, f32x16<S>, true>(simd, &shells, &beam);
                 unsure |= (meeting.may[0] | meeting.may[1] | meeting.tangent) & met;
