@@ -1,19 +1,22 @@
-//! Sixteen boxes in (z, w) at once, w = rho^2: where a ray enters them, in f32.
+//! Boxes in (z, w), w = rho^2, eight at once: where a ray enters them, in f32.
 //!
 //! A box is what lies between two coaxial cylinders and two planes, the paper's cylinder shell. The ray is
 //! between the planes and within the outer cylinder on one stretch of tau; as w is convex in tau, that
 //! stretch lies within the inner cylinder if both its ends do.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, SimdFloat, f32x8, mask32x8};
+use fearless_simd::{Simd, SimdFloat, f32x8};
 
 use super::course::{Course, NEAR};
 use super::order;
 
-/// How many boxes belong together.
-pub(super) const WIDTH: usize = 16;
+/// As many boxes are on the last level at the most. All of them are tested before one is chosen, which takes less time than to
+/// choose twice.
+pub(super) const WIDTH: usize = 32;
+/// As many belong together on the levels below.
+pub(super) const BELOW: usize = 16;
 /// How many are tested at once.
-const HALF: usize = 8;
+pub(super) const EIGHT: usize = 8;
 
 /// Padding of z, and of w: neither origins nor boxes are farther away than NEAR, and the roundings of the
 /// tests below are fewer than 16, of numbers no larger than that, or than its square.
@@ -26,20 +29,19 @@ pub(super) const PADDING: [f64; 2] = {
 /// which they are raised to it: that moves the ray by less than the padding.
 const LEAST: f32 = 1.0 / (1_u32 << 24) as f32;
 
-/// Sixteen boxes.
+/// The boxes of a level. On the last one all belong together, on those below [`BELOW`] after [`BELOW`].
 #[derive(Clone, Debug)]
-#[repr(C, align(64))]
 pub(super) struct Boxes {
-    halves: [Half; 2],
-    /// How many of them there are.
-    len: usize,
+    eights: Vec<Eight>,
+    /// As many eights belong together.
+    together: usize,
 }
 
 #[derive(Clone, Copy, Debug)]
-#[repr(C, align(32))]
-struct Half {
-    z: [[f32; HALF]; 2],
-    w: [[f32; HALF]; 2],
+#[repr(C, align(64))]
+struct Eight {
+    z: [[f32; EIGHT]; 2],
+    w: [[f32; EIGHT]; 2],
 }
 
 /// Ranges of z and w.
@@ -184,34 +186,43 @@ pub(super) struct Bundle {
 }
 
 impl Boxes {
-    /// Boxes round these.
+    /// Boxes round these; more than [`WIDTH`] are not the last level.
     pub(super) fn new(extents: &[Extent]) -> Self {
-        let mut boxes = Self { halves: [Half::EMPTY; 2], len: extents.len().min(WIDTH) };
-        for (i, extent) in extents.iter().enumerate().take(WIDTH) {
-            boxes.halves[i / HALF].set(i % HALF, extent);
-        }
-        boxes
+        let eights = extents.chunks(EIGHT).map(|own| Eight::new(own.iter())).collect();
+        let together = if extents.len() <= WIDTH { WIDTH } else { BELOW };
+        Self { eights, together: together / EIGHT }
     }
 
-    /// Which boxes the ray meets before `end`, as a set of bits; where it enters each goes to `enter`. The number of one
-    /// that it enters first, or nearly so, comes with it, if there is any.
+    /// How many eights there are.
+    pub(super) fn eights(&self) -> usize {
+        self.eights.len()
+    }
+
+    /// Those that belong together.
+    #[inline(always)]
+    fn together(&self, index: usize) -> &[Eight] {
+        let rest = &self.eights[index * self.together..];
+        &rest[..rest.len().min(self.together)]
+    }
+
+    /// Which of the `index`-th boxes that belong together the ray meets before `end`, as a set of bits; where it enters each goes to `enter`. The
+    /// number of one that it enters first, or nearly so, comes with it, if there is any.
     #[inline(always)]
     pub(super) fn test<S: Simd>(
         &self,
         simd: S,
+        index: usize,
         ray: &Slabs,
         end: f32,
         enter: &mut [f32; WIDTH],
     ) -> (u32, usize) {
-        let (first, second) = enter.split_at_mut(HALF);
-        let (near, mask) = self.halves[0].test(simd, ray, end);
-        near.store_slice(first);
-        let (mut set, mut keys) = (mask.to_bitmask() as u32, order::keys(simd, near, mask, 0));
-        if self.len > HALF {
-            let (far, mask) = self.halves[1].test(simd, ray, end);
-            far.store_slice(second);
-            set |= (mask.to_bitmask() as u32) << HALF;
-            keys = keys.min(order::keys(simd, far, mask, 1));
+        let (ray, end) = (ray.splat::<S, f32x8<S>>(simd), f32x8::splat(simd, end));
+        let (mut set, mut keys) = (0, order::none(simd));
+        for (i, eight) in self.together(index).iter().enumerate() {
+            let (near, mask) = self::enter(simd, &eight.walls(simd), &ray, end);
+            near.store_slice(&mut enter[i * EIGHT..][..EIGHT]);
+            set |= (mask.to_bitmask() as u32) << (i * EIGHT);
+            keys = keys.min(order::keys(simd, near, mask, i));
         }
         (set, order::number(keys))
     }
@@ -221,15 +232,16 @@ impl Boxes {
     pub(super) fn test_bundle<S: Simd>(
         &self,
         simd: S,
+        index: usize,
         bundle: &Bundle,
         enter: &mut [f32; WIDTH],
     ) -> u32 {
-        let (first, second) = enter.split_at_mut(HALF);
-        let mut mask = self.halves[0].test_bundle(simd, bundle, first);
-        if self.len > HALF {
-            mask |= self.halves[1].test_bundle(simd, bundle, second) << HALF;
+        let mut set = 0;
+        for (i, eight) in self.together(index).iter().enumerate() {
+            let enters = &mut enter[i * EIGHT..][..EIGHT];
+            set |= eight.test_bundle(simd, bundle, enters) << (i * EIGHT);
         }
-        mask
+        set
     }
 
     /// One of the boxes, for many rays.
@@ -239,34 +251,33 @@ impl Boxes {
         simd: S,
         number: usize,
     ) -> Walls<V> {
-        let half = &self.halves[number / HALF % 2];
-        let lane = number % HALF;
+        let eight = &self.eights[number / EIGHT];
+        let lane = number % EIGHT;
         Walls {
-            z: [V::splat(simd, half.z[0][lane]), V::splat(simd, half.z[1][lane])],
-            w: [V::splat(simd, half.w[0][lane]), V::splat(simd, half.w[1][lane])],
+            z: [V::splat(simd, eight.z[0][lane]), V::splat(simd, eight.z[1][lane])],
+            w: [V::splat(simd, eight.w[0][lane]), V::splat(simd, eight.w[1][lane])],
         }
     }
 }
 
-impl Half {
+impl Eight {
     const EMPTY: Self = Self {
         // Nowhere.
-        z: [[f32::INFINITY; HALF], [f32::NEG_INFINITY; HALF]],
-        w: [[f32::INFINITY; HALF], [-1.0; HALF]],
+        z: [[f32::INFINITY; EIGHT], [f32::NEG_INFINITY; EIGHT]],
+        w: [[f32::INFINITY; EIGHT], [-1.0; EIGHT]],
     };
 
-    fn set(&mut self, lane: usize, extent: &Extent) {
-        for i in 0..2 {
-            let out = if i == 0 { -1.0 } else { 1.0 };
-            self.z[i][lane] = (extent.z[i] + out * PADDING[0]) as f32;
-            self.w[i][lane] = (extent.w[i] + out * PADDING[1]) as f32;
+    /// No more than eight.
+    fn new<'a>(extents: impl Iterator<Item = &'a Extent>) -> Self {
+        let mut eight = Self::EMPTY;
+        for (lane, extent) in extents.enumerate().take(EIGHT) {
+            for i in 0..2 {
+                let out = if i == 0 { -1.0 } else { 1.0 };
+                eight.z[i][lane] = (extent.z[i] + out * PADDING[0]) as f32;
+                eight.w[i][lane] = (extent.w[i] + out * PADDING[1]) as f32;
+            }
         }
-    }
-
-    #[inline(always)]
-    fn test<S: Simd>(&self, simd: S, ray: &Slabs, end: f32) -> (f32x8<S>, mask32x8<S>) {
-        let end = f32x8::splat(simd, end);
-        enter::<S, f32x8<S>>(simd, &self.walls(simd), &ray.splat(simd), end)
+        eight
     }
 
     #[inline(always)]
@@ -293,32 +304,23 @@ impl Half {
 
 /// The boxes round the leaves of a block.
 #[derive(Clone, Debug)]
-pub(super) struct LeafBoxes(Half);
+pub(super) struct LeafBoxes(Eight);
 
 impl LeafBoxes {
     /// Boxes round no more than eight leaves.
     pub(super) fn new<'a>(extents: impl Iterator<Item = &'a Extent>) -> Self {
-        let mut half = Half::EMPTY;
-        for (lane, extent) in extents.enumerate().take(HALF) {
-            half.set(lane, extent);
-        }
-        Self(half)
+        Self(Eight::new(extents))
     }
 
     /// Which leaves some ray of a bundle may meet; no ray enters the box round one before `enters`.
     #[inline(always)]
-    pub(super) fn test<S: Simd>(
-        &self,
-        simd: S,
-        bundle: &Bundle,
-        enters: &mut [f32; HALF],
-    ) -> u32 {
+    pub(super) fn test<S: Simd>(&self, simd: S, bundle: &Bundle, enters: &mut [f32; EIGHT]) -> u32 {
         self.0.test_bundle(simd, bundle, enters)
     }
 }
 
 #[inline(always)]
-fn load<S: Simd>(simd: S, lanes: &[f32; HALF]) -> f32x8<S> {
+fn load<S: Simd>(simd: S, lanes: &[f32; EIGHT]) -> f32x8<S> {
     f32x8::from_slice(simd, lanes)
 }
 
@@ -351,10 +353,16 @@ mod tests {
             let tau = 3.0 * number() / direction.length();
             let origin = point - direction * tau;
             let w = point.x * point.x + point.y * point.y;
-            let extents: Vec<_> = (0..16)
+            let extents: Vec<_> = (0..WIDTH)
                 .map(|k| Extent {
-                    z: [point.z - number() * f64::from(k), point.z + number() * f64::from(k % 4)],
-                    w: [(w - number() * f64::from(k % 4)).max(0.0), w + number() * f64::from(k)],
+                    z: [
+                        point.z - number() * f64::from(k as u32),
+                        point.z + number() * f64::from(k as u32 % 4),
+                    ],
+                    w: [
+                        (w - number() * f64::from(k as u32 % 4)).max(0.0),
+                        w + number() * f64::from(k as u32),
+                    ],
                 })
                 .collect();
             let a = direction.x * direction.x + direction.y * direction.y;
@@ -374,9 +382,9 @@ mod tests {
             let boxes = Boxes::new(&extents);
             let slabs = Slabs::new(&course);
             let (mask, first) = dispatch!(Level::new(), simd => {
-                boxes.test(simd, &slabs, f32::INFINITY, &mut enter)
+                boxes.test(simd, 0, &slabs, f32::INFINITY, &mut enter)
             });
-            assert_eq!(mask, 0xffff, "{course:?} {extents:?}");
+            assert_eq!(mask, u32::MAX, "{course:?} {extents:?}");
             let least = enter.iter().fold(f32::INFINITY, |least, &e| least.min(e)).max(0.0);
             assert!(enter[first] <= least * (1.0 + 1e-5), "{enter:?} {first}");
             assert!(

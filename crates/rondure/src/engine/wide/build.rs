@@ -3,7 +3,7 @@
 use arrayvec::ArrayVec;
 
 use super::block::{Block, LANES};
-use super::boxes::{Boxes, Extent, LeafBoxes, WIDTH};
+use super::boxes::{BELOW, Boxes, Extent, LeafBoxes, WIDTH};
 use super::group;
 use super::leaf::{Curve, Leaf};
 use super::quadric::Quadric;
@@ -23,9 +23,9 @@ pub(super) struct Built {
     pub(super) leaf_boxes: Vec<LeafBoxes>,
     /// In the order of the blocks' lanes.
     pub(super) leaves: Vec<Leaf>,
-    /// The lowest level first: each box of a level stands for a block, or for sixteen boxes of the level
+    /// The lowest level first: each box of a level stands for a block, or for those of the level
     /// below.
-    pub(super) levels: Vec<Vec<Boxes>>,
+    pub(super) levels: Vec<Boxes>,
 }
 
 /// Into how many parts a piece is cut at the most.
@@ -121,16 +121,16 @@ pub(super) fn build(pieces: &[Piece], unit: f64) -> Built {
     Built { blocks, leaf_boxes, leaves, levels: levels(boxes) }
 }
 
-/// Boxes round boxes, up to a level that is one vector of them.
-fn levels(mut extents: Vec<Extent>) -> Vec<Vec<Boxes>> {
+/// Boxes round boxes, up to a level whose boxes all belong together.
+fn levels(mut extents: Vec<Extent>) -> Vec<Boxes> {
     let mut levels = Vec::new();
     loop {
-        levels.push(extents.chunks(WIDTH).map(Boxes::new).collect());
+        levels.push(Boxes::new(&extents));
         if extents.len() <= WIDTH {
             return levels;
         }
         let around = |own: &[Extent]| own.iter().fold(Extent::NONE, |all, own| all.union(own));
-        extents = extents.chunks(WIDTH).map(around).collect();
+        extents = extents.chunks(BELOW).map(around).collect();
     }
 }
 

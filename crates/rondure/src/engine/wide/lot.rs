@@ -16,7 +16,7 @@ use super::Wide;
 use super::arithmetic::lesser;
 use super::bits::bits;
 use super::block::LANES;
-use super::boxes::{Rods, Slabs, WIDTH as BOXES, enter};
+use super::boxes::{Rods, Slabs, enter};
 use super::course::Course;
 use super::eight::{Aim, columns};
 use super::leaf::Spot;
@@ -425,7 +425,7 @@ impl Lot {
             let infinity = f32x16::splat(simd, f32::INFINITY);
             let mut nearest = Nearest::none(simd);
             for (number, row) in self.enters.iter_mut().enumerate() {
-                let walls = wide.levels[0][number / BOXES].walls(simd, number % BOXES);
+                let walls = wide.levels[0].walls(simd, number);
                 let (enter, meets) = enter::<S, f32x16<S>>(simd, &walls, &slabs, end);
                 let enter = meets.select(enter, infinity);
                 enter.store_slice(&mut row[start..start + SIXTEEN]);

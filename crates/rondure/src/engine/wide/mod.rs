@@ -62,8 +62,8 @@ pub(crate) struct Wide {
     leaves: Vec<Leaf>,
     /// One for each piece.
     curves: Vec<Curve>,
-    /// Boxes round the blocks, and round boxes: the last level is one vector of them.
-    levels: Vec<Vec<Boxes>>,
+    /// Boxes round the blocks, and round boxes that belong together: on the last level all of them do.
+    levels: Vec<Boxes>,
 }
 
 impl Wide {
@@ -91,9 +91,9 @@ impl Wide {
         }
     }
 
-    /// The number of vectors of boxes and pieces.
+    /// The number of blocks and of vectors of boxes.
     pub(crate) fn node_count(&self) -> usize {
-        self.blocks.len() + self.levels.iter().map(Vec::len).sum::<usize>()
+        self.blocks.len() + self.levels.iter().map(Boxes::eights).sum::<usize>()
     }
 
     #[inline]

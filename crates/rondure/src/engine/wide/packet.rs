@@ -15,7 +15,7 @@ use fearless_simd::{Simd, f32x16, f64x8, mask32x16, u32x16};
 use super::Wide;
 use super::bits::bits;
 use super::block::{Block, LANES};
-use super::boxes::{self, Bundle, Rods, Slabs, WIDTH as BOXES};
+use super::boxes::{self, BELOW, Bundle, Rods, Slabs, WIDTH as BOXES};
 use super::eight::Aim;
 use super::meet::{Beam, Meeting, meet};
 use super::near::{Near, WIDTH};
@@ -267,9 +267,9 @@ impl Wide {
         ahead.push((self.levels.len() - 1, 0));
         while let Some((level, index)) = ahead.pop() {
             let mut enter = [0.0; BOXES];
-            let met = self.levels[level][index].test_bundle(simd, bundle, &mut enter);
+            let met = self.levels[level].test_bundle(simd, index, bundle, &mut enter);
             for number in bits(met) {
-                let place = index * BOXES + number;
+                let place = index * BELOW + number;
                 if level == 0 {
                     stops.try_push((enter[number % BOXES], place)).ok()?;
                 } else {
@@ -303,7 +303,7 @@ impl Wide {
             if packet.meets & !over == 0 {
                 break;
             }
-            let walls = self.levels[0][block / BOXES].walls::<S, f32x16<S>>(simd, block % BOXES);
+            let walls = self.levels[0].walls::<S, f32x16<S>>(simd, block);
             let end = packet.end.min(nearest.high);
             let (enter, mask) = boxes::enter(simd, &walls, &packet.slabs, end);
             let met = mask.to_bitmask() as u32;
@@ -420,7 +420,7 @@ impl Wide {
         };
         let (mut waiting, mut unsure) = (packet.meets, 0);
         for (_, block) in stops {
-            let walls = self.levels[0][block / BOXES].walls::<S, f32x16<S>>(simd, block % BOXES);
+            let walls = self.levels[0].walls::<S, f32x16<S>>(simd, block);
             let (enter, mask) = boxes::enter(simd, &walls, &packet.slabs, packet.end);
             let met = mask.to_bitmask() as u32;
             let met = met & waiting;

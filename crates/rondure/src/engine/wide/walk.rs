@@ -2,12 +2,12 @@
 
 use arrayvec::ArrayVec;
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x8};
+use fearless_simd::{Simd, f32x8, mask32x8};
 
 use super::Wide;
-use super::boxes::{Slabs, WIDTH};
+use super::boxes::{BELOW, EIGHT, Slabs, WIDTH};
 use super::course::Course;
-use super::order::first;
+use super::order;
 
 /// Levels of boxes above the lowest: as many as 2^32 leaves need, and leaves are numbered in a u32.
 const LEVELS: usize = 7;
@@ -20,9 +20,9 @@ pub(super) struct Way {
     above: ArrayVec<Vector, LEVELS>,
 }
 
-/// Sixteen boxes of which some wait.
+/// Boxes that belong together, of which some wait.
 #[derive(Clone, Copy)]
-#[repr(C, align(16))]
+#[repr(C, align(32))]
 struct Vector {
     enter: [f32; WIDTH],
     waiting: u32,
@@ -117,9 +117,9 @@ impl Vector {
         index: usize,
         end: f64,
     ) -> Self {
-        let mut vector = Self { start: index * WIDTH, ..Self::NONE };
-        let boxes = &wide.levels[level][index];
-        let (waiting, first) = boxes.test(simd, slabs, beyond(end), &mut vector.enter);
+        let mut vector = Self { start: index * BELOW, ..Self::NONE };
+        let boxes = &wide.levels[level];
+        let (waiting, first) = boxes.test(simd, index, slabs, beyond(end), &mut vector.enter);
         vector.waiting = waiting;
         if NEAREST {
             vector.first = first;
@@ -133,19 +133,23 @@ impl Vector {
         self.take(if NEAREST { self.first } else { self.waiting.trailing_zeros() as usize })
     }
 
-    #[inline(always)]
-    fn enters<S: Simd>(&self, simd: S) -> [f32x8<S>; 2] {
-        let (first, second) = self.enter.split_at(WIDTH / 2);
-        [f32x8::from_slice(simd, first), f32x8::from_slice(simd, second)]
-    }
-
     /// Which boxes wait that begin before `end`.
     #[inline(always)]
     fn waiting_before<S: Simd>(&self, simd: S, end: f64) -> u32 {
         let end = f32x8::splat(simd, beyond(end));
-        let [first, second] = self.enters(simd);
-        let before = first.simd_le(end).to_bitmask() | second.simd_le(end).to_bitmask() << 8;
-        self.waiting & before as u32
+        let mut before = 0;
+        for (i, enter) in self.eights_that_wait() {
+            let enter = f32x8::from_slice(simd, enter);
+            before |= (enter.simd_le(end).to_bitmask() as u32) << (i * EIGHT);
+        }
+        self.waiting & before
+    }
+
+    /// Eights of boxes up to the last one that waits.
+    #[inline(always)]
+    fn eights_that_wait(&self) -> impl Iterator<Item = (usize, &[f32])> {
+        let count = (u32::BITS - self.waiting.leading_zeros()).div_ceil(EIGHT as u32) as usize;
+        self.enter.chunks_exact(EIGHT).take(count).enumerate()
     }
 
     /// The nearest box that waits.
@@ -158,8 +162,13 @@ impl Vector {
         if self.waiting == 0 {
             return None;
         }
-        let number = first(simd, self.enters(simd), self.waiting);
-        self.take(number)
+        let mut keys = order::none(simd);
+        for (i, enter) in self.eights_that_wait() {
+            let waiting =
+                mask32x8::from_bitmask(simd, u64::from(self.waiting >> (i * EIGHT) & 0xff));
+            keys = keys.min(order::keys(simd, f32x8::from_slice(simd, enter), waiting, i));
+        }
+        self.take(order::number(keys))
     }
 
     /// Takes out a box, if any waits: the one with this number in the vector.
