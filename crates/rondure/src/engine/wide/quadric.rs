@@ -107,20 +107,29 @@ struct Monomials<const N: usize, const M: usize, const Q: usize, const S: usize>
     one: [f64; M],
     zeta2: [f64; M],
     q: [f64; Q],
+    /// The derivative of lambda along the curve, times the cube of the denominator.
+    along: [f64; S],
+    /// The largest coefficients of those of w, zeta and zeta^2.
+    largest: [f64; 3],
 }
 
 impl<const N: usize, const M: usize, const Q: usize, const S: usize> Monomials<N, M, Q, S> {
     #[inline(always)]
-    fn new(curve: &Curve<N, M, Q, S>, z: f64) -> Self {
+    fn new(curve: &Curve<N, M, Q, S>, z: f64, [a, b, c]: [f64; 3]) -> Self {
         let q: [f64; N] = core::array::from_fn(|i| curve.q[i % Q]);
         let zeta: [f64; N] = core::array::from_fn(|i| curve.z[i] - z * q[i]);
-        Self {
+        let mut own = Self {
             w: product(whole(&curve.r), whole(&curve.r)),
             zeta: product(whole(&zeta), whole(&q)),
             one: product(whole(&q), whole(&q)),
             zeta2: product(whole(&zeta), whole(&zeta)),
             q: curve.q,
-        }
+            along: [0.0; S],
+            largest: [0.0; 3],
+        };
+        own.along = own.slope(&own.combine([b, a, c, 0.0]));
+        own.largest = [&own.w, &own.zeta, &own.zeta2].map(|monomial| largest(&own.slope(monomial)));
+        own
     }
 
     /// A combination of w, zeta, 1 and zeta^2.
@@ -197,7 +206,7 @@ impl Quadric {
         let lambda = lambda(start, end, z);
         let parts: [_; PARTS] = core::array::from_fn(|i| {
             let share = |i: usize| valid[0] + (valid[1] - valid[0]) * i as f64 / PARTS as f64;
-            Monomials::new(&curve.stretch([share(i), share(i + 1)]), z)
+            Monomials::new(&curve.stretch([share(i), share(i + 1)]), z, lambda)
         });
         let guess = Guess::new(curve, [s0, s1], z, lambda);
         let mut best = Self {
@@ -252,18 +261,13 @@ impl Quadric {
         self.gamma -= 0.5 * (low + high);
         self.error = 0.5 * (high - low);
         self.slope = 0.0;
-        let [a, b, c] = self.lambda;
         for part in parts {
-            let along = part.slope(&part.combine([b, a, c, 0.0]));
             let across = part.slope(&part.combine(coefficients(&self)));
-            let largest = |p: &[f64; S]| p.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
             // Terms may cancel, and what rounding leaves of them is that part of the terms.
-            let terms =
-                [[self.alpha, 0.0, 0.0, 0.0], [0.0, self.beta, 0.0, 0.0], [0.0, 0.0, 0.0, self.p]];
-            let term = terms.map(|one| largest(&part.slope(&part.combine(one))));
-            let no_across = NOTHING * term.into_iter().fold(0.0, f64::max);
-            let no_along = NOTHING * largest(&along);
-            for (along, across) in along.iter().zip(&across) {
+            let [w, zeta, zeta2] = part.largest;
+            let term = (self.alpha.abs() * w).max(self.beta.abs() * zeta).max(self.p.abs() * zeta2);
+            let (no_across, no_along) = (NOTHING * term, NOTHING * largest(&part.along));
+            for (along, across) in part.along.iter().zip(&across) {
                 if *along > no_along {
                     self.slope = self.slope.max(across.abs() / along);
                 } else if !(along.abs() <= no_along && across.abs() <= no_across) {
@@ -281,6 +285,12 @@ impl Quadric {
     pub(super) fn growth(&self) -> f64 {
         self.lambda[0].abs() + 2.0 * self.lambda[1].abs() * self.r_max
     }
+}
+
+/// The largest absolute value.
+#[inline(always)]
+fn largest<const S: usize>(c: &[f64; S]) -> f64 {
+    c.iter().fold(0.0, |most, c| most.max(c.abs()))
 }
 
 /// lambda along the chord of a stretch, in coordinates that are nearly lengths.
