@@ -7,6 +7,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, SimdFloat, f32x8, mask32x8};
 
+use super::block::Block;
 use super::course::{Course, NEAR};
 use super::order;
 
@@ -225,9 +226,9 @@ impl Boxes {
         enter: &mut [f32; WIDTH],
     ) -> u32 {
         let (first, second) = enter.split_at_mut(HALF);
-        let mut mask = self.halves[0].test_bundle(simd, bundle, first);
+        let mut mask = self.halves[0].walls(simd).test_bundle(simd, bundle, first);
         if self.len > HALF {
-            mask |= self.halves[1].test_bundle(simd, bundle, second) << HALF;
+            mask |= self.halves[1].walls(simd).test_bundle(simd, bundle, second) << HALF;
         }
         mask
     }
@@ -274,11 +275,13 @@ impl Half {
         let ([z0, z1], [w0, w1]) = (&self.z, &self.w);
         Walls { z: [load(simd, z0), load(simd, z1)], w: [load(simd, w0), load(simd, w1)] }
     }
+}
 
+impl<S: Simd> Walls<f32x8<S>> {
     /// Which boxes some ray of a bundle may meet, and where `ray` would enter what they grow to.
     #[inline(always)]
-    fn test_bundle<S: Simd>(&self, simd: S, bundle: &Bundle, enters: &mut [f32]) -> u32 {
-        let Walls { z, w } = self.walls(simd);
+    fn test_bundle(&self, simd: S, bundle: &Bundle, enters: &mut [f32]) -> u32 {
+        let Walls { z, w } = self;
         let (along, across) = (f32x8::splat(simd, bundle.along), f32x8::splat(simd, bundle.across));
         // (rho + across)^2 - rho^2
         let root = w[1].sqrt();
@@ -291,9 +294,10 @@ impl Half {
     }
 }
 
-/// The boxes round the leaves of a block.
+/// The squared radii of the boxes round the leaves of a block, which has their heights.
 #[derive(Clone, Debug)]
-pub(super) struct LeafBoxes(Half);
+#[repr(C, align(64))]
+pub(super) struct LeafBoxes([[f32; HALF]; 2]);
 
 impl LeafBoxes {
     /// Boxes round no more than eight leaves.
@@ -302,13 +306,18 @@ impl LeafBoxes {
         for (lane, extent) in extents.enumerate().take(HALF) {
             half.set(lane, extent);
         }
-        Self(half)
+        Self(half.w)
     }
 
-    /// Which leaves some ray of a bundle may meet.
+    /// Which leaves of the block some ray of a bundle may meet.
     #[inline(always)]
-    pub(super) fn test<S: Simd>(&self, simd: S, bundle: &Bundle) -> u32 {
-        self.0.test_bundle(simd, bundle, &mut [0.0; HALF])
+    pub(super) fn test<S: Simd>(&self, simd: S, block: &Block, bundle: &Bundle) -> u32 {
+        let [w0, w1] = &self.0;
+        let [z, height] = block.heights(simd);
+        let height = height + f32x8::splat(simd, PADDING[0] as f32);
+        let z = [z - height, z + height];
+        let walls = Walls { z, w: [load(simd, w0), load(simd, w1)] };
+        walls.test_bundle(simd, bundle, &mut [0.0; HALF])
     }
 }
 

@@ -312,7 +312,8 @@ impl Wide {
                 continue;
             }
             let beam = packet.beam(simd, &self.blocks[block], enter);
-            for lane in bits(self.leaf_boxes[block].test(simd, &packet.bundle)) {
+            for lane in bits(self.leaf_boxes[block].test(simd, &self.blocks[block], &packet.bundle))
+            {
                 let shells = self.blocks[block].shell(simd, lane);
                 let meeting = meet::<S, f32x16<S>, false>(simd, &shells, &beam);
                 if meeting.tangent & met != 0 {
@@ -421,7 +422,8 @@ impl Wide {
                 continue;
             }
             let beam = packet.beam(simd, &self.blocks[block], enter);
-            for lane in bits(self.leaf_boxes[block].test(simd, &packet.bundle)) {
+            for lane in bits(self.leaf_boxes[block].test(simd, &self.blocks[block], &packet.bundle))
+            {
                 let shells = self.blocks[block].shell(simd, lane);
                 let meeting = meet::<S, f32x16<S>, true>(simd, &shells, &beam);
                 unsure |= (meeting.may[0] | meeting.may[1] | meeting.tangent) & met;
