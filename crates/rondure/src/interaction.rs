@@ -117,20 +117,20 @@ impl Place {
         hit: &Hit,
     ) -> Interaction {
         let (curve, detail, s) = surface.curve_at(hit);
-        let normal = self.normal(detail.sense);
+        let normal = self.normal(detail.sense());
         let normal = inverse.map_or(normal, |rows| turned_back(rows, normal));
         let ([cos, sin], Point { r: dr, z: dz }) = (self.angle, self.tangent);
         let (r, z) = (self.profile.r, self.profile.z + surface.center_z);
         let turn = sin.atan2(cos) / TAU;
         let u = if turn < 0.0 { turn + 1.0 } else { turn };
-        let along = detail.length_before + detail.length.until(curve, s);
+        let along = surface.lengths.until(detail.length, curve, s);
         Interaction {
             point: placement.point(Vec3::new(r * cos, r * sin, z)),
             normal,
             // A tiny negative angle rounds to a full turn, which is none.
-            uv: [if u < 1.0 { u } else { 0.0 }, (along / surface.length).clamp(0.0, 1.0)],
+            uv: [if u < 1.0 { u } else { 0.0 }, (along / surface.length()).clamp(0.0, 1.0)],
             dp_du: placement.vector(Vec3::new(-r * sin, r * cos, 0.0) * TAU),
-            dp_dv: placement.vector(Vec3::new(dr * cos, dr * sin, dz) * surface.length),
+            dp_dv: placement.vector(Vec3::new(dr * cos, dr * sin, dz) * surface.length()),
             error: rounding,
         }
     }
@@ -159,7 +159,7 @@ fn from_afar(frame: &Frame, ray: &Ray, profile: Point, t: f64) -> Option<Vec3> {
 
 /// The normal alone at a hit of a surface that stands in `frame`.
 pub(crate) fn normal(surface: &Surface, frame: &Frame, ray: &Ray, hit: &Hit) -> Vec3 {
-    let sense = surface.curve_at(hit).1.sense;
+    let sense = surface.curve_at(hit).1.sense();
     frame.normal(Place::of(surface, frame, ray, hit).normal(sense))
 }
 
@@ -185,7 +185,7 @@ pub(crate) fn footing(
     ray: &Ray,
     hit: &Hit,
 ) -> Footing {
-    let sense = surface.curve_at(hit).1.sense;
+    let sense = surface.curve_at(hit).1.sense();
     let place = Place::of(surface, frame, ray, hit);
     let ([cos, sin], Point { r, z }) = (place.angle, place.profile);
     Footing {

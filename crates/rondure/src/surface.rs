@@ -4,7 +4,7 @@
 //! Ray -> Frame: LocalRay -> Meridian -> ShellTree -> pieces -> root: (s, t) -> Hit -> Interaction
 //! ```
 
-use crate::arc_length::ArcLength;
+use crate::arc_length::{ArcLengths, Stretches};
 use crate::batch::{AllHits, Gathered, Hits, Rays};
 use crate::engine::{Engine, EngineOptions, Polyline, Statistics, TreeNode};
 use crate::frame::{Frame, LocalRay, largest_stretch};
@@ -48,8 +48,8 @@ pub struct Surface {
     pub(crate) center_z: f64,
     /// The radius of the sphere round the surface about its centre.
     pub(crate) radius: f64,
-    /// The arc length of all pieces together.
-    pub(crate) length: f64,
+    /// The arc length of the profile.
+    pub(crate) lengths: ArcLengths,
     r_max: f64,
     z_range: [f64; 2],
     rings: Rings,
@@ -58,13 +58,28 @@ pub struct Surface {
 /// What belongs to a piece beside its curve.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Detail {
+    /// The segment of the profile that the piece was cut from, times two, and 1 if the normal is to the left of the drawing
+    /// direction.
+    segment: u32,
+    /// Its arc length.
+    pub(crate) length: Stretches,
+}
+
+impl Detail {
+    fn new(segment: u32, sense: f64, length: Stretches) -> Self {
+        Self { segment: segment << 1 | u32::from(sense < 0.0), length }
+    }
+
     /// The segment of the profile that the piece was cut from.
-    pub(crate) segment: u32,
-    /// The arc length of the profile before the piece, and that of the piece.
-    pub(crate) length_before: f64,
-    pub(crate) length: ArcLength,
+    pub(crate) fn segment(self) -> u32 {
+        self.segment >> 1
+    }
+
     /// 1 if the normal is to the right of the drawing direction, -1 if to the left.
-    pub(crate) sense: f64,
+    #[inline]
+    pub(crate) fn sense(self) -> f64 {
+        if self.segment & 1 == 0 { 1.0 } else { -1.0 }
+    }
 }
 
 impl Surface {
@@ -86,7 +101,7 @@ impl Surface {
         let mut pieces = Vec::new();
         let mut details = Vec::new();
         let mut segment = 0;
-        let mut length_before = 0.0;
+        let mut lengths = ArcLengths::new();
         // Lowered before they are cut: far from the origin the points between the ends of a curve are
         // rounded more coarsely than their distance from the centre.
         let center_z = middle(profile);
@@ -94,9 +109,7 @@ impl Surface {
         for (subpath, sense) in profile.subpaths().iter().zip(outward_senses(profile)) {
             for curve in subpath.segments() {
                 for piece in piece::cut(&curve.moved(down)) {
-                    let length = ArcLength::new(&piece);
-                    details.push(Detail { segment, length_before, length, sense });
-                    length_before += length.whole();
+                    details.push(Detail::new(segment, sense, lengths.push(&piece)));
                     pieces.push(piece);
                 }
                 segment += 1;
@@ -119,6 +132,7 @@ impl Surface {
         }
         pieces.shrink_to_fit();
         details.shrink_to_fit();
+        lengths.shrink_to_fit();
         let mut polyline = None;
         if !exact {
             let (sources, frusta) = Polyline::sample(pieces, options.samples);
@@ -134,7 +148,7 @@ impl Surface {
             details,
             center_z,
             radius,
-            length: length_before,
+            lengths,
             r_max,
             z_range,
         }
@@ -185,7 +199,7 @@ impl Surface {
 
     /// The index of the profile's segment that a hit lies on, counted over all subpaths.
     pub fn segment(&self, hit: &Hit) -> usize {
-        self.curve_at(hit).1.segment as usize
+        self.curve_at(hit).1.segment() as usize
     }
 
     /// The hit with the smallest t in the ray's range, if there is one.
@@ -273,6 +287,12 @@ impl Surface {
     /// The same, given the rows of the placement's inverse.
     pub(crate) fn rounding_with(&self, placement: &Affine, inverse: Option<&[Vec3; 3]>) -> f64 {
         placed_rounding(placement, inverse, Vec3::new(0.0, 0.0, self.center_z), self.radius)
+    }
+
+    /// The arc length of the profile.
+    #[inline]
+    pub(crate) fn length(&self) -> f64 {
+        self.lengths.whole()
     }
 
     #[inline]

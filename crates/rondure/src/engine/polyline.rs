@@ -1,7 +1,7 @@
 //! The profile as the paper has it: a chain of points, near enough to each other, whose chords sweep
 //! frusta.
 
-use crate::arc_length::ArcLength;
+use crate::arc_length;
 use crate::piece::{Kind, Piece};
 use crate::profile::Point;
 
@@ -32,7 +32,7 @@ impl Polyline {
     /// The second part are the frusta. The points of a piece run in the direction in which the piece
     /// does: no rounding makes r or z turn.
     pub(crate) fn sample(curves: Vec<Piece>, samples: u32) -> (Self, Vec<Piece>) {
-        let lengths: Vec<f64> = curves.iter().map(|c| ArcLength::new(c).whole()).collect();
+        let lengths: Vec<f64> = curves.iter().map(arc_length::length).collect();
         let length: f64 = lengths.iter().sum();
         let mut frusta = Vec::new();
         let mut sources = Vec::new();

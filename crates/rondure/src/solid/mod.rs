@@ -243,7 +243,7 @@ impl Solid {
 
     /// 1 if the surface's normal points out of the solid at a wall, otherwise -1.
     pub(crate) fn outward(&self, wall: &Wall) -> f64 {
-        self.surface.curve_at(&wall.hit).1.sense * f64::from(wall.outside)
+        self.surface.curve_at(&wall.hit).1.sense() * f64::from(wall.outside)
     }
 
     /// Whether a point lies inside the solid. Points within rounding of the surface, a few units in

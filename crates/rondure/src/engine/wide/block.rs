@@ -2,7 +2,7 @@
 //! f32.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, SimdFloat, f32x8, f64x8, mask32x8};
+use fearless_simd::{Simd, SimdFloat, f32x8, f64x8, mask32x8, u8x32};
 
 use super::arithmetic::{Best, Fused, greater};
 use super::boxes::{Extent, PADDING};
@@ -22,6 +22,8 @@ const LARGEST: f64 = 1e12;
 /// Bounds are raised by this: more than their own roundings, and than the error of an approximate reciprocal,
 /// which is good to 2^-11 at least.
 const SLACK: f64 = 1.01;
+/// The same of bounds that are multiplied by no reciprocal.
+const ROUNDED: f64 = 1.0 + 1.0 / 65_536.0;
 /// More than any discriminant, and than any error that matters.
 const UNKNOWN: f32 = 1e30;
 
@@ -45,14 +47,11 @@ pub(super) struct Block {
     lambda: [Lanes; 3],
     /// The largest |zeta|.
     height: Lanes,
-    /// For a direction of length 1; it grows with the square of the length.
-    tangency: Lanes,
-    /// It grows with |U|, too.
-    bend: Lanes,
-    /// By how much lambda may be off, times sqrt(V^2 - U W), for a direction of length 1.
-    room: Lanes,
-    /// The same for tau, for any length.
-    blur: Lanes,
+    /// The tangency for a direction of length 1, which grows with the square of the length; and the
+    /// bend, by which it grows with |U|, too.
+    tangency_bend: Pairs,
+    /// By how much lambda may be off, times sqrt(V^2 - U W), for a direction of length 1; and the same for tau, for any length.
+    room_blur: Pairs,
     /// The parameter on the piece by powers of lambda; see [`Guess`](super::quadric::Guess).
     guess: [Lanes; 4],
     /// From where z and w count.
@@ -71,10 +70,8 @@ impl Block {
         lambda: [[0.0; LANES]; 3],
         height: [0.0; LANES],
         // Q vanishes everywhere: the discriminant is never more, nor less, than nothing.
-        tangency: [-1.0; LANES],
-        bend: [0.0; LANES],
-        room: [0.0; LANES],
-        blur: [0.0; LANES],
+        tangency_bend: Pairs::filled(-1.0, 0.0),
+        room_blur: Pairs::NOTHING,
         guess: [[0.0; LANES]; 4],
         corner: [0.0; 2],
         poles: [0; 2],
@@ -103,12 +100,12 @@ impl Block {
         let largest =
             a * (8.0 * width + depth) + 3.0 * (b * height) + 6.0 * (p * height * height) + c;
         // The exact engine may find hits that lie by its own roundings beside the ray.
-        let error = SLACK * q.error + 12.0 * ROUNDOFF * largest + EXACT;
+        let error = ROUNDED * q.error + 12.0 * ROUNDOFF * largest + EXACT;
         let growth = q.growth();
         let all = [a, b, c, p, growth, q.lambda[0], q.lambda[1], q.lambda[2], q.slope, q.error];
         if !all.iter().all(|v| v.abs() < LARGEST) {
             // So short, or so curved, that f32 says nothing of it: it may always be hit.
-            self.tangency[lane] = UNKNOWN;
+            self.tangency_bend.set(lane, UNKNOWN, 0.0);
             self.height[lane] = UNKNOWN;
             return;
         }
@@ -141,10 +138,10 @@ impl Block {
             self.poles[usize::from(pole != 0)] |= 1 << lane;
         }
         self.height[lane] = (q.height + 8.0 * ROUNDOFF * height + EXACT) as f32;
-        self.tangency[lane] = finite(SLACK * tangency);
-        self.bend[lane] = finite(2.0 * SLACK * error);
-        self.room[lane] = finite(SLACK * room);
-        self.blur[lane] = finite(SLACK * blur);
+        let [tangency, bend] = [tangency, 2.0 * error].map(|bound| finite(ROUNDED * bound));
+        let [room, blur] = [room, blur].map(|bound| finite(SLACK * bound));
+        self.tangency_bend.set(lane, tangency, bend);
+        self.room_blur.set(lane, room, blur);
     }
 
     /// Which of the leaves the ray may hit before `end`, and about where, if it enters the block's box at
@@ -178,6 +175,8 @@ impl Block {
             ],
         };
         let [l0, l1, l2] = &self.lambda;
+        let ([tangency, bend], [room, blur]) =
+            (self.tangency_bend.load(simd), self.room_blur.load(simd));
         let shells = Shells {
             z: load(simd, &self.z),
             alpha: load(simd, &self.alpha),
@@ -186,10 +185,10 @@ impl Block {
             p: load(simd, &self.p),
             lambda: [load(simd, l0), load(simd, l1), load(simd, l2)],
             height: load(simd, &self.height),
-            tangency: load(simd, &self.tangency),
-            bend: load(simd, &self.bend),
-            room: load(simd, &self.room),
-            blur: load(simd, &self.blur),
+            tangency,
+            bend,
+            room,
+            blur,
         };
         meet::<S, _, SURE>(simd, &shells, &beam)
     }
@@ -203,6 +202,8 @@ impl Block {
     ) -> Shells<V> {
         let lane = lane % LANES;
         let [l0, l1, l2] = &self.lambda;
+        let ([tangency, bend], [room, blur]) =
+            (self.tangency_bend.of(lane), self.room_blur.of(lane));
         Shells {
             z: V::splat(simd, self.z[lane]),
             alpha: V::splat(simd, self.alpha[lane]),
@@ -211,10 +212,10 @@ impl Block {
             p: V::splat(simd, self.p[lane]),
             lambda: [V::splat(simd, l0[lane]), V::splat(simd, l1[lane]), V::splat(simd, l2[lane])],
             height: V::splat(simd, self.height[lane]),
-            tangency: V::splat(simd, self.tangency[lane]),
-            bend: V::splat(simd, self.bend[lane]),
-            room: V::splat(simd, self.room[lane]),
-            blur: V::splat(simd, self.blur[lane]),
+            tangency: V::splat(simd, tangency),
+            bend: V::splat(simd, bend),
+            room: V::splat(simd, room),
+            blur: V::splat(simd, blur),
         }
     }
 
@@ -272,10 +273,72 @@ impl Block {
         if start >> lane & 1 != 0 { distance } else { wide(simd, 1.0) - distance }
     }
 
+    /// The middles of the leaves' heights, and half of what lies between their ends, or more.
+    #[inline(always)]
+    pub(super) fn heights<S: Simd>(&self, simd: S) -> [f32x8<S>; 2] {
+        let corner = splat(simd, self.corner[0] as f32);
+        [load(simd, &self.z) + corner, load(simd, &self.height)]
+    }
+
     /// From where z and w count.
     #[inline(always)]
     pub(super) fn corner(&self) -> [f64; 2] {
         self.corner
+    }
+}
+
+/// Two bounds in each lane, each by the first half of the bits of an f32: for its other half what happens to lie beside it does,
+/// which raises it, as rounding has done, by less than 2^-7. The last byte of a number comes first.
+#[derive(Clone, Debug)]
+struct Pairs([u8; PAIRS]);
+
+const PAIRS: usize = 4 * LANES + 2;
+
+impl Pairs {
+    const NOTHING: Self = Self::filled(0.0, 0.0);
+
+    /// The same in all lanes; of negative numbers only such as have no second half.
+    const fn filled(first: f32, second: f32) -> Self {
+        let ([_, _, a, b], [_, _, c, d]) = (second.to_le_bytes(), first.to_le_bytes());
+        let mut pairs = [0; PAIRS];
+        let mut i = 2;
+        while i < PAIRS {
+            pairs[i] = [c, d, a, b][i % 4];
+            i += 1;
+        }
+        Self(pairs)
+    }
+
+    /// Neither may be negative; lanes are to be set in their order.
+    fn set(&mut self, lane: usize, first: f32, second: f32) {
+        for (start, bound) in [(4 * lane, second), (4 * lane + 2, first)] {
+            let [_, _, low, high] = bound.to_le_bytes();
+            let place = start + 2..start + 4;
+            self.0[place.clone()].copy_from_slice(&[low, high]);
+            if self.number(start) < bound {
+                let next = u16::from_le_bytes([low, high]) + 1;
+                self.0[place].copy_from_slice(&next.to_le_bytes());
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn number(&self, start: usize) -> f32 {
+        let b = &self.0;
+        f32::from_le_bytes([b[start], b[start + 1], b[start + 2], b[start + 3]])
+    }
+
+    /// The first ones and the second ones.
+    #[inline(always)]
+    fn load<S: Simd>(&self, simd: S) -> [f32x8<S>; 2] {
+        let from = |start: usize| u8x32::from_slice(simd, &self.0[start..start + 4 * LANES]);
+        [from(2).bitcast(), from(0).bitcast()]
+    }
+
+    /// Those of one lane.
+    #[inline(always)]
+    fn of(&self, lane: usize) -> [f32; 2] {
+        [self.number(4 * lane + 2), self.number(4 * lane)]
     }
 }
 
@@ -292,4 +355,36 @@ fn splat<S: Simd>(simd: S, value: f32) -> f32x8<S> {
 #[inline(always)]
 fn wide<S: Simd>(simd: S, value: f32) -> f64x8<S> {
     f64x8::splat(simd, f64::from(value))
+}
+
+#[cfg(test)]
+mod tests {
+    use fearless_simd::{Level, dispatch};
+
+    use super::*;
+
+    #[test]
+    fn pairs_are_bounds() {
+        let bounds = [0.0, f32::MIN_POSITIVE, 1.0, 1.0 / 3.0, 1.999_999, 7.3e-11, 0.01, UNKNOWN];
+        let mut pairs = Pairs::filled(-1.0, 0.0);
+        for turn in 0..LANES {
+            let second = |lane: usize| bounds[(lane + turn) % LANES];
+            for (lane, first) in bounds.iter().enumerate() {
+                pairs.set(lane, *first, second(lane));
+            }
+            let loaded = dispatch!(Level::new(), simd => {
+                pairs.load(simd).map(|own| core::array::from_fn::<f32, LANES, _>(|i| own[i]))
+            });
+            for (lane, first) in bounds.into_iter().enumerate() {
+                let own = pairs.of(lane);
+                assert_eq!([loaded[0][lane], loaded[1][lane]], own);
+                for (bound, wanted) in own.into_iter().zip([first, second(lane)]) {
+                    let raised = (wanted * (1.0 + 1.0 / 64.0)).max(f32::MIN_POSITIVE);
+                    assert!(wanted <= bound && bound <= raised, "{wanted} {bound}");
+                }
+            }
+        }
+        let [first, second] = Pairs::filled(-1.0, 0.0).of(3);
+        assert!(first == -1.0 && (0.0..f32::MIN_POSITIVE).contains(&second), "{first} {second}");
+    }
 }

@@ -7,6 +7,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, SimdFloat, f32x8};
 
+use super::block::Block;
 use super::course::{Course, NEAR};
 use super::order;
 
@@ -239,7 +240,7 @@ impl Boxes {
         let mut set = 0;
         for (i, eight) in self.together(index).iter().enumerate() {
             let enters = &mut enter[i * EIGHT..][..EIGHT];
-            set |= eight.test_bundle(simd, bundle, enters) << (i * EIGHT);
+            set |= eight.walls(simd).test_bundle(simd, bundle, enters) << (i * EIGHT);
         }
         set
     }
@@ -285,11 +286,13 @@ impl Eight {
         let ([z0, z1], [w0, w1]) = (&self.z, &self.w);
         Walls { z: [load(simd, z0), load(simd, z1)], w: [load(simd, w0), load(simd, w1)] }
     }
+}
 
+impl<S: Simd> Walls<f32x8<S>> {
     /// Which boxes some ray of a bundle may meet, and where `ray` would enter what they grow to.
     #[inline(always)]
-    fn test_bundle<S: Simd>(&self, simd: S, bundle: &Bundle, enters: &mut [f32]) -> u32 {
-        let Walls { z, w } = self.walls(simd);
+    fn test_bundle(&self, simd: S, bundle: &Bundle, enters: &mut [f32]) -> u32 {
+        let Walls { z, w } = self;
         let (along, across) = (f32x8::splat(simd, bundle.along), f32x8::splat(simd, bundle.across));
         // (rho + across)^2 - rho^2
         let root = w[1].sqrt();
@@ -302,20 +305,32 @@ impl Eight {
     }
 }
 
-/// The boxes round the leaves of a block.
+/// The squared radii of the boxes round the leaves of a block, which has their heights.
 #[derive(Clone, Debug)]
-pub(super) struct LeafBoxes(Eight);
+#[repr(C, align(64))]
+pub(super) struct LeafBoxes([[f32; EIGHT]; 2]);
 
 impl LeafBoxes {
     /// Boxes round no more than eight leaves.
     pub(super) fn new<'a>(extents: impl Iterator<Item = &'a Extent>) -> Self {
-        Self(Eight::new(extents))
+        Self(Eight::new(extents).w)
     }
 
-    /// Which leaves some ray of a bundle may meet; no ray enters the box round one before `enters`.
+    /// Which leaves of the block some ray of a bundle may meet; no ray enters the box round one before `enters`.
     #[inline(always)]
-    pub(super) fn test<S: Simd>(&self, simd: S, bundle: &Bundle, enters: &mut [f32; EIGHT]) -> u32 {
-        self.0.test_bundle(simd, bundle, enters)
+    pub(super) fn test<S: Simd>(
+        &self,
+        simd: S,
+        block: &Block,
+        bundle: &Bundle,
+        enters: &mut [f32; EIGHT],
+    ) -> u32 {
+        let [w0, w1] = &self.0;
+        let [z, height] = block.heights(simd);
+        let height = height + f32x8::splat(simd, PADDING[0] as f32);
+        let z = [z - height, z + height];
+        let walls = Walls { z, w: [load(simd, w0), load(simd, w1)] };
+        walls.test_bundle(simd, bundle, enters)
     }
 }
 

@@ -33,12 +33,9 @@ pub(super) struct Leaf {
     valid: [f32; 2],
     /// The longest step in s that can be the last, where r is 1 or more.
     last: f32,
+    /// The number of the piece times two, and 1 if that is a conic.
     piece: u32,
-    /// [`CONIC`], or nothing.
-    flags: u32,
 }
-
-const CONIC: u32 = 1;
 
 /// Where a leaf may be hit.
 #[derive(Clone, Copy, Debug)]
@@ -167,20 +164,20 @@ fn cubic(fma: impl Fused, c: &[f64; 4], s: f64) -> [f64; 2] {
 impl Leaf {
     /// A leaf of the piece with this number and this curve.
     pub(super) fn new(kind: Kind, piece: u32, curve: &Curve, fit: &Quadric) -> Self {
-        let flags = if matches!(kind, Kind::Conic(_)) { CONIC } else { 0 };
+        let piece = piece << 1 | u32::from(matches!(kind, Kind::Conic(_)));
         let last = (LAST_STEP / curve.bend(kind).sqrt()) as f32;
-        Self { valid: fit.valid.map(|s| s as f32), last, piece, flags }
+        Self { valid: fit.valid.map(|s| s as f32), last, piece }
     }
 
     /// The piece that it is a part of.
     #[inline(always)]
     pub(super) fn piece(&self) -> u32 {
-        self.piece
+        self.piece >> 1
     }
 
     #[inline(always)]
     pub(super) fn is_conic(&self) -> bool {
-        self.flags & CONIC != 0
+        self.piece & 1 != 0
     }
 
     /// Between which parameters what is known of it holds.
@@ -205,8 +202,8 @@ impl Leaf {
         course: &Course,
         spot: Spot,
     ) -> Finding {
-        let curve = &curves[self.piece as usize];
-        if self.flags & CONIC != 0 {
+        let curve = &curves[self.piece() as usize];
+        if self.is_conic() {
             self.hit_on::<true>(fma, curve, course, spot)
         } else {
             self.hit_on::<false>(fma, curve, course, spot)
@@ -281,8 +278,8 @@ impl Leaf {
         course: &Course,
         spot: Spot,
     ) -> Option<Certain> {
-        let curve = &curves[self.piece as usize];
-        if self.flags & CONIC != 0 {
+        let curve = &curves[self.piece() as usize];
+        if self.is_conic() {
             self.quick_on::<true>(fma, curve, course, spot)
         } else {
             self.quick_on::<false>(fma, curve, course, spot)

@@ -311,15 +311,17 @@ impl Wide {
             if met == 0 {
                 continue;
             }
-            let beam = packet.beam(simd, &self.blocks[block], enter);
+            let block_of = &self.blocks[block];
+            let beam = packet.beam(simd, block_of, enter);
             let mut enters = [0.0; LANES];
-            for lane in bits(self.leaf_boxes[block].test(simd, &packet.bundle, &mut enters)) {
+            let bundle = &packet.bundle;
+            for lane in bits(self.leaf_boxes[block].test(simd, block_of, bundle, &mut enters)) {
                 let first = f32x16::splat(simd, enters[lane % LANES]);
                 let met = met & !(nearest.high.simd_lt(first).to_bitmask() as u32);
                 if met == 0 {
                     continue;
                 }
-                let shells = self.blocks[block].shell(simd, lane);
+                let shells = block_of.shell(simd, lane);
                 let meeting = meet::<S, f32x16<S>, false>(simd, &shells, &beam);
                 if meeting.tangent & met != 0 {
                     nearest.doubt(simd, &meeting, meeting.tangent & met, enter);
@@ -427,10 +429,12 @@ impl Wide {
             if met == 0 {
                 continue;
             }
-            let beam = packet.beam(simd, &self.blocks[block], enter);
-            let leaves = self.leaf_boxes[block].test(simd, &packet.bundle, &mut [0.0; LANES]);
+            let block_of = &self.blocks[block];
+            let beam = packet.beam(simd, block_of, enter);
+            let bundle = &packet.bundle;
+            let leaves = self.leaf_boxes[block].test(simd, block_of, bundle, &mut [0.0; LANES]);
             for lane in bits(leaves) {
-                let shells = self.blocks[block].shell(simd, lane);
+                let shells = block_of.shell(simd, lane);
                 let meeting = meet::<S, f32x16<S>, true>(simd, &shells, &beam);
                 unsure |= (meeting.may[0] | meeting.may[1] | meeting.tangent) & met;
                 waiting &= !(meeting.sure & met);

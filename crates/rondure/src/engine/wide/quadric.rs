@@ -15,9 +15,7 @@
 //! it grows along the curve, which is therefore Q = h(lambda), with |h| <= `error` and |h'| <= `slope`.
 //! Both are bounds by Bernstein coefficients, good on the stretch and a little beyond.
 
-use arrayvec::ArrayVec;
-
-use super::bernstein::{Polynomial, derivative, polar, product};
+use super::bernstein::{derivative, polar, product, whole};
 use crate::numeric::gamma;
 use crate::piece::{Kind, Piece};
 
@@ -68,110 +66,137 @@ pub(super) struct Guess {
     pub(super) error: f64,
 }
 
-/// A stretch of a piece in homogeneous coordinates.
-struct Curve {
-    r: Polynomial,
-    z: Polynomial,
-    /// The denominator; of degree 0 if it is 1.
-    q: Polynomial,
+/// A stretch of a piece in homogeneous coordinates: polynomials with N coefficients over one with Q, which is 1 if there
+/// is one of these. Squares have M coefficients, and derivatives of a quotient of squares have S.
+struct Curve<const N: usize, const M: usize, const Q: usize, const S: usize> {
+    r: [f64; N],
+    z: [f64; N],
+    /// The denominator.
+    q: [f64; Q],
 }
 
-impl Curve {
-    fn of(piece: &Piece, unit: f64) -> Self {
-        let (r, z) = (piece.r.map(|r| r * unit), piece.z.map(|z| z * unit));
-        let pick = |c: &[f64; 4], at: &[usize]| at.iter().map(|&i| c[i]).collect();
-        let one = || core::iter::once(1.0).collect();
-        match piece.kind {
-            Kind::Line => Self { r: pick(&r, &[0, 3]), z: pick(&z, &[0, 3]), q: one() },
-            Kind::Quadratic => Self { r: pick(&r, &[0, 1, 3]), z: pick(&z, &[0, 1, 3]), q: one() },
-            Kind::Cubic => {
-                Self { r: pick(&r, &[0, 1, 2, 3]), z: pick(&z, &[0, 1, 2, 3]), q: one() }
-            }
-            Kind::Conic(w) => Self {
-                r: [r[0], w * r[1], r[3]].into_iter().collect(),
-                z: [z[0], w * z[1], z[3]].into_iter().collect(),
-                q: [1.0, w, 1.0].into_iter().collect(),
-            },
-        }
-    }
-
+impl<const N: usize, const M: usize, const Q: usize, const S: usize> Curve<N, M, Q, S> {
     /// The part between two parameters, which may lie beyond the ends.
-    fn stretch(&self, [u, v]: [f64; 2]) -> Self {
-        let part = |c: &Polynomial| {
-            let n = c.len() - 1;
-            (0..=n).map(|i| polar(c, (0..n).map(|k| if k < n - i { u } else { v }))).collect()
-        };
-        Self { r: part(&self.r), z: part(&self.z), q: part(&self.q) }
+    #[inline(always)]
+    fn stretch(&self, ends: [f64; 2]) -> Self {
+        Self { r: part(&self.r, ends), z: part(&self.z, ends), q: part(&self.q, ends) }
     }
 
     /// (r, z) at a parameter.
+    #[inline(always)]
     fn point(&self, s: f64) -> [f64; 2] {
-        let [r, z, q] = [&self.r, &self.z, &self.q].map(|c| polar(c, core::iter::repeat(s)));
+        let (r, z) = (polar(&self.r, |_| s), polar(&self.z, |_| s));
+        if Q == 1 {
+            return [r, z];
+        }
+        let q = polar(&self.q, |_| s);
         [r / q, z / q]
     }
 }
 
-/// The monomials of Q along a curve, times the square of the denominator.
-struct Monomials {
-    w: Polynomial,
-    zeta: Polynomial,
-    one: Polynomial,
-    zeta2: Polynomial,
-    q: Polynomial,
+/// The coefficients of a polynomial on another interval.
+#[inline(always)]
+fn part<const N: usize>(c: &[f64; N], [u, v]: [f64; 2]) -> [f64; N] {
+    core::array::from_fn(|i| polar(c, |k| if k + i + 1 < N { u } else { v }))
 }
 
-impl Monomials {
-    fn new(curve: &Curve, z: f64) -> Self {
-        let degree = curve.z.len();
-        let q: Polynomial = if curve.q.len() == degree {
-            curve.q.clone()
-        } else {
-            core::iter::repeat_n(curve.q[0], degree).collect()
+/// The monomials of Q along a curve, times the square of the denominator.
+struct Monomials<const N: usize, const M: usize, const Q: usize, const S: usize> {
+    w: [f64; M],
+    zeta: [f64; M],
+    one: [f64; M],
+    zeta2: [f64; M],
+    q: [f64; Q],
+    /// The derivative of lambda along the curve, times the cube of the denominator.
+    along: [f64; S],
+    /// The largest coefficients of those of w, zeta and zeta^2.
+    largest: [f64; 3],
+}
+
+impl<const N: usize, const M: usize, const Q: usize, const S: usize> Monomials<N, M, Q, S> {
+    #[inline(always)]
+    fn new(curve: &Curve<N, M, Q, S>, z: f64, [a, b, c]: [f64; 3]) -> Self {
+        let q: [f64; N] = core::array::from_fn(|i| curve.q[i % Q]);
+        let zeta: [f64; N] = core::array::from_fn(|i| curve.z[i] - z * q[i]);
+        let mut own = Self {
+            w: product(whole(&curve.r), whole(&curve.r)),
+            zeta: product(whole(&zeta), whole(&q)),
+            one: product(whole(&q), whole(&q)),
+            zeta2: product(whole(&zeta), whole(&zeta)),
+            q: curve.q,
+            along: [0.0; S],
+            largest: [0.0; 3],
         };
-        let zeta: Polynomial = curve.z.iter().zip(&q).map(|(own, q)| own - z * q).collect();
-        Self {
-            w: product(&curve.r, &curve.r),
-            zeta: product(&zeta, &q),
-            one: product(&q, &q),
-            zeta2: product(&zeta, &zeta),
-            q: curve.q.clone(),
-        }
+        own.along = own.slope(&own.combine([b, a, c, 0.0]));
+        own.largest = [&own.w, &own.zeta, &own.zeta2].map(|monomial| largest(&own.slope(monomial)));
+        own
     }
 
     /// A combination of w, zeta, 1 and zeta^2.
-    fn combine(&self, [w, zeta, one, zeta2]: [f64; 4]) -> Polynomial {
-        let terms = self.w.iter().zip(&self.zeta).zip(self.one.iter().zip(&self.zeta2));
-        terms.map(|((a, b), (c, d))| w * a + zeta * b + (one * c + zeta2 * d)).collect()
+    #[inline(always)]
+    fn combine(&self, [w, zeta, one, zeta2]: [f64; 4]) -> [f64; M] {
+        core::array::from_fn(|i| {
+            w * self.w[i] + zeta * self.zeta[i] + (one * self.one[i] + zeta2 * self.zeta2[i])
+        })
     }
 
     /// The derivative of a combination divided by the square of the denominator, times its cube.
-    fn slope(&self, f: &Polynomial) -> Polynomial {
-        let df = derivative(f);
-        if self.q.len() == 1 {
-            return df;
+    #[inline(always)]
+    fn slope(&self, f: &[f64; M]) -> [f64; S] {
+        if Q == 1 {
+            return core::array::from_fn(derivative(f).1);
         }
         // (f / q^2)' q^3 = f' q - 2 f q'
-        let (a, b) = (product(&df, &self.q), product(f, &derivative(&self.q)));
-        a.iter().zip(&b).map(|(a, b)| a - 2.0 * b).collect()
+        let a: [f64; S] = product(derivative(f), whole(&self.q));
+        let b: [f64; S] = product(whole(f), derivative(&self.q));
+        core::array::from_fn(|i| a[i] - 2.0 * b[i])
     }
 }
 
 impl Quadric {
     /// The best of those that there are, for the stretch of a piece between two parameters;
     /// coordinates are in units of `unit`.
-    pub(super) fn new(piece: &Piece, [s0, s1]: [f64; 2], unit: f64) -> Self {
-        let curve = Curve::of(piece, unit);
+    pub(super) fn new(piece: &Piece, ends: [f64; 2], unit: f64) -> Self {
+        let ([r0, r1, r2, r3], [z0, z1, z2, z3]) =
+            (piece.r.map(|r| r * unit), piece.z.map(|z| z * unit));
+        match piece.kind {
+            Kind::Line => {
+                Self::best(&Curve::<2, 3, 1, 2> { r: [r0, r3], z: [z0, z3], q: [1.0] }, ends)
+            }
+            Kind::Quadratic => Self::best(
+                &Curve::<3, 5, 1, 4> { r: [r0, r1, r3], z: [z0, z1, z3], q: [1.0] },
+                ends,
+            ),
+            Kind::Cubic => Self::best(
+                &Curve::<4, 7, 1, 6> { r: [r0, r1, r2, r3], z: [z0, z1, z2, z3], q: [1.0] },
+                ends,
+            ),
+            Kind::Conic(w) => {
+                let (r, z) = ([r0, w * r1, r3], [z0, w * z1, z3]);
+                Self::best(&Curve::<3, 5, 3, 6> { r, z, q: [1.0, w, 1.0] }, ends)
+            }
+        }
+    }
+
+    fn best<const N: usize, const M: usize, const Q: usize, const S: usize>(
+        curve: &Curve<N, M, Q, S>,
+        [s0, s1]: [f64; 2],
+    ) -> Self {
         let beyond = BEYOND * (s1 - s0);
         let widest = [s0 - beyond, s1 + beyond];
-        let mut best = Self::on(&curve, [s0, s1], widest);
+        let mut best = Self::on(curve, [s0, s1], widest);
         // Beyond an end of the piece its curve may turn.
         if (widest[0] < 0.0 || widest[1] > 1.0) && !best.slope.is_finite() {
-            best = Self::on(&curve, [s0, s1], [widest[0].max(0.0), widest[1].min(1.0)]);
+            best = Self::on(curve, [s0, s1], [widest[0].max(0.0), widest[1].min(1.0)]);
         }
         best
     }
 
-    fn on(curve: &Curve, [s0, s1]: [f64; 2], valid: [f64; 2]) -> Self {
+    fn on<const N: usize, const M: usize, const Q: usize, const S: usize>(
+        curve: &Curve<N, M, Q, S>,
+        [s0, s1]: [f64; 2],
+        valid: [f64; 2],
+    ) -> Self {
         let [start, end] = [curve.point(s0), curve.point(s1)];
         let at = |u: f64| curve.point(valid[0] + u * (valid[1] - valid[0]));
         let middle = at(0.5);
@@ -179,12 +204,10 @@ impl Quadric {
         let z = 0.5 * (start[1] + end[1]);
         let r_max = start[0].max(end[0]);
         let lambda = lambda(start, end, z);
-        let parts: ArrayVec<_, PARTS> = (0..PARTS)
-            .map(|i| {
-                let share = |i: usize| valid[0] + (valid[1] - valid[0]) * i as f64 / PARTS as f64;
-                Monomials::new(&curve.stretch([share(i), share(i + 1)]), z)
-            })
-            .collect();
+        let parts: [_; PARTS] = core::array::from_fn(|i| {
+            let share = |i: usize| valid[0] + (valid[1] - valid[0]) * i as f64 / PARTS as f64;
+            Monomials::new(&curve.stretch([share(i), share(i + 1)]), z, lambda)
+        });
         let guess = Guess::new(curve, [s0, s1], z, lambda);
         let mut best = Self {
             z,
@@ -215,7 +238,11 @@ impl Quadric {
     }
 
     /// The same with gamma in the middle, and with its bounds.
-    fn bounded(mut self, parts: &[Monomials], middle: [f64; 2]) -> Self {
+    fn bounded<const N: usize, const M: usize, const Q: usize, const S: usize>(
+        mut self,
+        parts: &[Monomials<N, M, Q, S>],
+        middle: [f64; 2],
+    ) -> Self {
         let (w, zeta) = (middle[0] * middle[0], middle[1] - self.z);
         self.gamma = -(self.alpha * w + zeta * (self.beta + self.p * zeta));
         let coefficients = |own: &Self| [own.alpha, own.beta, own.gamma, own.p];
@@ -234,18 +261,13 @@ impl Quadric {
         self.gamma -= 0.5 * (low + high);
         self.error = 0.5 * (high - low);
         self.slope = 0.0;
-        let [a, b, c] = self.lambda;
         for part in parts {
-            let along = part.slope(&part.combine([b, a, c, 0.0]));
             let across = part.slope(&part.combine(coefficients(&self)));
-            let largest = |p: &Polynomial| p.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
             // Terms may cancel, and what rounding leaves of them is that part of the terms.
-            let terms =
-                [[self.alpha, 0.0, 0.0, 0.0], [0.0, self.beta, 0.0, 0.0], [0.0, 0.0, 0.0, self.p]];
-            let term = terms.map(|one| largest(&part.slope(&part.combine(one))));
-            let no_across = NOTHING * term.into_iter().fold(0.0, f64::max);
-            let no_along = NOTHING * largest(&along);
-            for (along, across) in along.iter().zip(&across) {
+            let [w, zeta, zeta2] = part.largest;
+            let term = (self.alpha.abs() * w).max(self.beta.abs() * zeta).max(self.p.abs() * zeta2);
+            let (no_across, no_along) = (NOTHING * term, NOTHING * largest(&part.along));
+            for (along, across) in part.along.iter().zip(&across) {
                 if *along > no_along {
                     self.slope = self.slope.max(across.abs() / along);
                 } else if !(along.abs() <= no_along && across.abs() <= no_across) {
@@ -263,6 +285,12 @@ impl Quadric {
     pub(super) fn growth(&self) -> f64 {
         self.lambda[0].abs() + 2.0 * self.lambda[1].abs() * self.r_max
     }
+}
+
+/// The largest absolute value.
+#[inline(always)]
+fn largest<const S: usize>(c: &[f64; S]) -> f64 {
+    c.iter().fold(0.0, |most, c| most.max(c.abs()))
 }
 
 /// lambda along the chord of a stretch, in coordinates that are nearly lengths.
@@ -297,7 +325,12 @@ fn through_two(at: impl Fn(f64) -> [f64; 2]) -> [f64; 3] {
 }
 
 impl Guess {
-    fn new(curve: &Curve, s: [f64; 2], z: f64, lambda: [f64; 3]) -> Self {
+    fn new<const N: usize, const M: usize, const Q: usize, const S: usize>(
+        curve: &Curve<N, M, Q, S>,
+        s: [f64; 2],
+        z: f64,
+        lambda: [f64; 3],
+    ) -> Self {
         let plain = Self::with(curve, s, z, lambda, None);
         let on_axis = |i: usize| s[i] == i as f64 && curve.point(s[i])[0] == 0.0;
         let poles = [0, 1].into_iter().filter(|&i| on_axis(i));
@@ -306,8 +339,8 @@ impl Guess {
     }
 
     /// Goes through four points.
-    fn with(
-        curve: &Curve,
+    fn with<const N: usize, const M: usize, const Q: usize, const S: usize>(
+        curve: &Curve<N, M, Q, S>,
         [s0, s1]: [f64; 2],
         z: f64,
         [a, b, c]: [f64; 3],
