@@ -407,7 +407,7 @@ impl<'a> Tracer<'a> {
         let weighting = self.weighting;
         let weigh = |part: Part| part.value * weighting.of_looking(incoming.pdf, part.pdf);
         let mut seen = weigh(parts.wide);
-        if narrow > 0.0 {
+        if narrow > 0.0 && !parts.narrow.value.is_black() {
             seen += weigh(parts.narrow) * narrow;
         }
         if seen.is_black() {
