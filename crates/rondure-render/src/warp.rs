@@ -24,6 +24,17 @@ impl Frame {
         self.x * v.x + self.y * v.y + self.z * v.z
     }
 
+    /// The vector (x, y, 0).
+    #[inline]
+    pub(crate) fn across(&self, x: f64, y: f64) -> Vec3 {
+        self.x * x + self.y * y
+    }
+
+    #[inline]
+    pub(crate) fn normal(&self) -> Vec3 {
+        self.z
+    }
+
     #[inline]
     pub(crate) fn to_local(self, v: Vec3) -> Vec3 {
         Vec3::new(self.x.dot(v), self.y.dot(v), self.z.dot(v))

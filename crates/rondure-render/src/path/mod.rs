@@ -413,7 +413,7 @@ impl<'a> Tracer<'a> {
         if seen.is_black() {
             return Rgb::BLACK;
         }
-        let ray = incoming.sight(&vertex.surface);
+        let ray = incoming.way(&vertex.surface);
         self.statistics.shadow_rays += 1;
         if self.world.is_occluded(&ray) {
             return Rgb::BLACK;
