@@ -270,7 +270,9 @@ impl<'a> Tracer<'a> {
         walk.ray = from.vertex.surface.spawn(onward.direction);
         walk.weight = weight;
         walk.part *= share;
-        if let Some(crossing) = onward.crossing {
+        if onward.through
+            && let Some(crossing) = from.vertex.crossing
+        {
             self.media.cross(crossing);
         }
         walk.key = walk.key.child(branch);

@@ -308,7 +308,9 @@ fn shoot(world: &World, aim: &Aim, volley: &Volley, i: u32, count: u32) -> Vec<P
         }
         power = power / live;
         ray = vertex.surface.spawn(onward.direction);
-        if let Some(crossing) = onward.crossing {
+        if onward.through
+            && let Some(crossing) = vertex.crossing
+        {
             media.cross(crossing);
         }
         key = key.child(NEXT);

@@ -61,8 +61,8 @@ pub(crate) struct Vertex<'a> {
     normal: Vec3,
     outgoing: Vec3,
     model: Model<'a>,
-    /// What a path does that goes through.
-    crossing: Option<Crossing>,
+    /// What a path does that goes through, if it is the boundary of a body.
+    pub(crate) crossing: Option<Crossing>,
 }
 
 /// What the surface does, in a frame whose z axis is the shading normal on the side that the path comes from.
@@ -95,8 +95,8 @@ pub(crate) struct Onward {
     /// The density by solid angle; infinite if the direction was the only one.
     pub(crate) pdf: f64,
     pub(crate) kind: Kind,
-    /// The boundary that it went through, if it is that of a body.
-    pub(crate) crossing: Option<Crossing>,
+    /// Whether it went through to the other side.
+    pub(crate) through: bool,
     /// Whether it passed a boundary that is none.
     pub(crate) straight: bool,
 }
@@ -122,12 +122,8 @@ impl<'a> Vertex<'a> {
             Some(medium) if optics.clarity >= 1.0 || draw.model() < optics.clarity => {
                 let cos = normal.dot(outgoing).clamp(f64::MIN_POSITIVE, 1.0);
                 if solid {
-                    let thing = contact.thing;
-                    let through = if entering {
-                        Crossing::Enters(Body { thing, finish, priority: medium.priority })
-                    } else {
-                        Crossing::Leaves(thing, finish)
-                    };
+                    let body = Body { thing: contact.thing, finish, priority: medium.priority };
+                    let through = Crossing { enters: entering, body };
                     crossing = Some(through);
                     match indices(world, medium, entering, media, through, wavelength) {
                         None => Model::Hidden,
@@ -262,7 +258,7 @@ impl<'a> Vertex<'a> {
             // No lamp is looked for on the other side, so what is found there counts fully.
             pdf: if through { f64::INFINITY } else { pdf },
             kind,
-            crossing: self.crossing.filter(|_| through),
+            through,
             straight: matches!(self.model, Model::Hidden),
         })
     }
