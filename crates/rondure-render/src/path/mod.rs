@@ -223,7 +223,8 @@ impl<'a> Tracer<'a> {
             let target = target.filter(|_| walk.scattered);
             *light += walk.weight * self.direct(walk, &vertex, target, all_lamps);
         }
-        let splits = !walk.scattered && walk.depth < SPLITS;
+        let branches = self.least_branch < f64::INFINITY;
+        let splits = branches && !walk.scattered && walk.depth < SPLITS;
         let split = splits.then(|| vertex.split()).flatten().filter(|share| {
             share.min(1.0 - share) * walk.weight.max_channel() >= self.least_branch
         });
