@@ -129,6 +129,11 @@ pub(crate) fn power_heuristic(pdf: f64, other: f64) -> f64 {
     if pdf == f64::INFINITY {
         return 1.0;
     }
+    let (square, both) = (pdf * pdf, pdf * pdf + other * other);
+    if both > f64::MIN_POSITIVE && both < f64::INFINITY {
+        return square / both;
+    }
+    // Where squares are no numbers any more.
     let ratio = other / pdf;
     1.0 / (1.0 + ratio * ratio)
 }

@@ -5,7 +5,8 @@
 
 use core::ops::Range;
 
-use rondure::Ray;
+use fearless_simd::Level;
+use rondure::{Ray, Vec3};
 use rondure_film::{Film, Guide, Layers, Pass, PixelSample, Portion, Statistics, Window};
 use rondure_scene::{Integrator, Scene};
 
@@ -15,12 +16,13 @@ use crate::{
     features,
     filter::Filter,
     integrator::{Tracer, split_bits},
+    numbers,
     path::{
         self,
         photons::{Aim, Photons, Volley},
     },
-    sampler::{Key, Sample},
-    world::{Batch, World},
+    sampler::{GROUP, Key, Sample},
+    world::{Batch, Contact, World},
 };
 
 /// The most reflections and refractions, whatever the scene asks for: after so many, the most
@@ -30,6 +32,8 @@ const MAX_DEPTH: u32 = 200;
 /// A picture to be made: a scene, ready to be asked for tiles.
 #[derive(Debug)]
 pub struct Job<'a> {
+    /// What of the machine's SIMD is used.
+    level: Level,
     world: World,
     view: View,
     filter: Filter,
@@ -56,13 +60,18 @@ impl Prepared {
 
 /// The pixels across and down whose rays from the camera go together.
 const EDGE: u32 = 4;
+/// And how many those are.
+const PIXELS: usize = (EDGE * EDGE) as usize;
 
-/// One sample each of the pixels of a square whose corner is a multiple of its edge, row by row.
+/// Some samples, of one [group](GROUP), of the pixels of a square whose corner is a multiple of its edge: those of all pixels, row by row, after
+/// those of the sample before.
 #[derive(Debug, Default)]
 struct Group {
     /// The samples, and whether their weights in the film are negative.
     aims: Vec<(Sample, bool)>,
     rays: Vec<Ray>,
+    /// Where they meet the world.
+    contacts: Vec<Option<Contact>>,
     batch: Batch,
 }
 
@@ -92,6 +101,7 @@ impl<'a> Job<'a> {
             Integrator::Reference | Integrator::Whitted => None,
         };
         Ok(Self {
+            level: Level::new(),
             world,
             aim,
             view: View::new(&scene.camera, width, height).ok_or(RenderError::Camera)?,
@@ -182,15 +192,20 @@ impl<'a> Job<'a> {
                         film.set_center(x, y, features::center(&self.world, &self.view, x, y));
                     }
                 }
-                for index in samples.clone() {
-                    self.aim(&pixels, index, &mut group);
+                let mut start = samples.start;
+                while start < samples.end {
+                    let end = samples.end.min((start / GROUP as u32 + 1) * GROUP as u32);
+                    self.aim(&pixels, &(start..end), &mut group);
                     for (x, y) in wanted.coordinates() {
-                        let i = ((y - corner_y) * EDGE + x - corner_x) as usize;
-                        match self.sample(tracer.as_mut(), &group, i, &mut statistics) {
-                            Some(sample) if film.add(x, y, &sample) => {}
-                            _ => statistics.invalid_samples += 1,
+                        let pixel = ((y - corner_y) * EDGE + x - corner_x) as usize;
+                        for i in (pixel..group.rays.len()).step_by(PIXELS) {
+                            match self.sample(tracer.as_mut(), &group, i, &mut statistics) {
+                                Some(sample) if film.add(x, y, &sample) => {}
+                                _ => statistics.invalid_samples += 1,
+                            }
                         }
                     }
+                    start = end;
                 }
             }
         }
@@ -200,23 +215,34 @@ impl<'a> Job<'a> {
         Ok(TileSums { film, statistics })
     }
 
-    /// Aims at some pixels, one sample each, and finds what their rays meet.
+    /// Aims at some pixels with some samples, and finds what their rays meet.
     ///
     /// How a ray is answered depends, by rounding, on those beside it. So that the picture does not depend on the tiles it is made of, all rays of
-    /// the group are asked about, also those that are not wanted.
-    fn aim(&self, pixels: &Window, index: u32, group: &mut Group) {
-        group.aims.clear();
-        group.rays.clear();
-        for (x, y) in pixels.coordinates() {
-            let sample = Sample::new(self.seed, x, y, index);
-            let (u, v) = sample.pair(Key::FILTER);
-            let lens = if self.view.has_lens() { sample.pair(Key::LENS) } else { (0.5, 0.5) };
-            let ((across, a), (down, b)) = (self.filter.offset(u), self.filter.offset(v));
-            let (x, y) = (f64::from(x) + 0.5 + across, f64::from(y) + 0.5 + down);
-            group.rays.push(self.view.ray(x, y, lens));
-            group.aims.push((sample, a != b));
+    /// the square are asked about, also those that are not wanted.
+    fn aim(&self, pixels: &Window, samples: &Range<u32>, group: &mut Group) {
+        let Group { aims, rays, contacts, batch } = group;
+        let count = samples.len() * PIXELS;
+        aims.resize(count, (Sample::new(0, 0, 0, 0), false));
+        rays.resize(count, Ray::new(Vec3::ZERO, Vec3::Z));
+        for (pixel, (x, y)) in pixels.coordinates().enumerate() {
+            let (first, place) = Sample::new(self.seed, x, y, samples.start).in_group();
+            let filters = numbers::pairs(self.level, &first, Key::FILTER);
+            let lenses =
+                self.view.has_lens().then(|| numbers::pairs(self.level, &first, Key::LENS));
+            for (i, index) in samples.clone().enumerate() {
+                let (u, v) = filters[place + i];
+                let lens = lenses.map_or((0.5, 0.5), |lenses| lenses[place + i]);
+                let ((across, a), (down, b)) = (self.filter.offset(u), self.filter.offset(v));
+                let (at_x, at_y) = (f64::from(x) + 0.5 + across, f64::from(y) + 0.5 + down);
+                rays[i * PIXELS + pixel] = self.view.ray(at_x, at_y, lens);
+                aims[i * PIXELS + pixel] = (Sample::new(self.seed, x, y, index), a != b);
+            }
         }
-        self.world.closest_of_many(&group.rays, &mut group.batch);
+        contacts.clear();
+        for alike in rays.chunks(PIXELS) {
+            self.world.closest_of_many(alike, batch);
+            contacts.append(&mut batch.contacts);
+        }
     }
 
     /// What follows paths, unless the integrator is Whitted's.
@@ -239,7 +265,7 @@ impl<'a> Job<'a> {
     ) -> Option<PixelSample> {
         let film = &self.scene.film;
         let ((sample, negative), ray) = (group.aims[i], &group.rays[i]);
-        let first = group.batch.contacts[i];
+        let first = group.contacts[i];
         let light = match tracer {
             Some(tracer) => tracer.camera_ray(sample, ray, first),
             None => {

@@ -30,6 +30,7 @@ mod integrator;
 mod job;
 mod light;
 mod look;
+mod numbers;
 mod optics;
 mod path;
 mod picture;

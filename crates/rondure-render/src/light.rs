@@ -109,21 +109,32 @@ pub(crate) struct Incoming {
 }
 
 impl Incoming {
-    /// The ray to the source from the place that it was looked for from. It begins off the surface there, and so ends at the same point of
-    /// the source that was meant: with the direction and the distance from the surface it would end behind it, and the source hide itself.
+    /// The way to the source from the place that it was looked for from, as a ray whose direction is as long as the way. It begins off the
+    /// surface there, and so ends at the same point of the source that was meant: with the direction and the distance from the surface it would
+    /// end behind it, and the source hide itself.
     #[inline]
-    pub(crate) fn sight(&self, from: &Footing) -> Ray {
+    pub(crate) fn way(&self, from: &Footing) -> Ray {
         let ray = from.spawn(self.direction);
         if self.distance == f64::INFINITY {
             return ray;
         }
         let to = from.point + self.direction * self.distance - ray.origin;
-        let length = to.length();
-        if length > 0.0 {
-            Ray::new(ray.origin, to / length).with_range(0.0, length)
+        if to.length_squared() > 0.0 {
+            Ray::new(ray.origin, to).with_range(0.0, 1.0)
         } else {
             ray.with_range(0.0, 0.0)
         }
+    }
+
+    /// The same with a direction of unit length.
+    #[inline]
+    pub(crate) fn sight(&self, from: &Footing) -> Ray {
+        let way = self.way(from);
+        if way.t_max != 1.0 {
+            return way;
+        }
+        let length = way.direction.length();
+        Ray::new(way.origin, way.direction / length).with_range(0.0, length)
     }
 }
 
@@ -195,16 +206,20 @@ impl Lamp {
                 let direction = frame.to_world(warp::cap(u, cap));
                 Some(Incoming { direction, distance: f64::INFINITY, light, pdf: f64::INFINITY })
             }
-            Self::Disk { center, frame, radius, radiance } => {
+            Self::Disk { center, ref frame, radius, radiance } => {
                 let (x, y) = warp::disk(u);
-                let target = center + frame.to_world(Vec3::new(x * radius, y * radius, 0.0));
+                let target = center + frame.across(x * radius, y * radius);
                 let to_light = target - at;
-                let distance2 = to_light.length_squared();
-                let distance = distance2.sqrt();
-                let direction = to_light * (1.0 / distance);
-                let solid_angle = -frame.to_local(direction).z * (PI * radius * radius) / distance2;
-                (solid_angle > 0.0).then(|| Incoming {
-                    direction,
+                // The cosine at the lamp times the distance.
+                let facing = -frame.normal().dot(to_light);
+                if !(facing > 0.0) {
+                    return None;
+                }
+                let distance = to_light.length();
+                let inverse = 1.0 / distance;
+                let solid_angle = facing * inverse * (PI * radius * radius) * (inverse * inverse);
+                Some(Incoming {
+                    direction: to_light * inverse,
                     distance: before(distance, target, at),
                     light: radiance * solid_angle,
                     pdf: 1.0 / solid_angle,
@@ -276,7 +291,7 @@ impl Lamp {
     pub(crate) fn pdf(&self, at: Vec3, direction: Vec3, distance: f64) -> f64 {
         match *self {
             Self::Disk { frame, radius, .. } => {
-                let cos = -frame.to_local(direction).z;
+                let cos = -frame.normal().dot(direction);
                 if cos > 0.0 { distance * distance / (cos * PI * radius * radius) } else { 0.0 }
             }
             Self::Sphere { center, radius, .. } => {

@@ -62,7 +62,7 @@ static SHIFT_TABLE: [[[u32; 2]; 256]; 2] = {
 
 /// The name of a two-dimensional set of sample points: where on the way of the light it is used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Key(u32);
+pub(crate) struct Key(pub(crate) u32);
 
 impl Key {
     pub(crate) const FILTER: Self = Self(1);
@@ -77,8 +77,12 @@ impl Key {
     }
 }
 
+/// How many samples of a pixel that follow each other are worked out at once, as a power of two.
+const GROUP_BITS: u32 = 3;
+pub(crate) const GROUP: usize = 1 << GROUP_BITS;
+
 /// One sample of one pixel: the source of all random numbers that its light needs.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Sample {
     /// The place in the pixel's sequence, its bits in reverse order.
     reversed_index: u32,
@@ -107,33 +111,57 @@ impl Sample {
         Self { reversed_index: self.reversed_index >> bits | part.reverse_bits(), ..*self }
     }
 
-    /// The place in the sequence of a key, and the shift of the pixel there: both are shuffled, each by itself, which leaves aligned
-    /// ranges of places and aligned squares of pixels together.
-    #[inline]
-    fn shuffled(&self, seed: u32) -> (u32, [u32; 2]) {
-        let index = laine_karras(self.reversed_index, seed).reverse_bits() & 0xffff;
+    /// The shift of the pixel in the sequence of a key. Pixels are shuffled so that aligned squares of them stay together.
+    #[inline(always)]
+    fn shift(&self, seed: u32) -> [u32; 2] {
         let morton = laine_karras(self.reversed_morton, mix(seed, 3)).reverse_bits();
         let low = SHIFT_TABLE[0][(morton & 0xff) as usize];
         let high = SHIFT_TABLE[1][(morton >> 8 & 0xff) as usize];
-        (index, [low[0] ^ high[0], low[1] ^ high[1]])
+        [low[0] ^ high[0], low[1] ^ high[1]]
+    }
+
+    /// A point of the open unit square, the digits of its two numbers.
+    #[inline]
+    pub(crate) fn bits(&self, key: Key) -> [u32; 2] {
+        let seed = mix(self.seed, key.0);
+        let seeds = [mix(seed, 1), mix(seed, 2)];
+        point(index(self.reversed_index, seed), self.shift(seed), seeds)
     }
 
     /// A point of the open unit square.
     #[inline]
     pub(crate) fn pair(&self, key: Key) -> (f64, f64) {
-        let seed = mix(self.seed, key.0);
-        let (index, shift) = self.shuffled(seed);
-        let x = laine_karras(index ^ shift[0], mix(seed, 1)).reverse_bits();
-        let y = laine_karras(sobol_reversed(index) ^ shift[1], mix(seed, 2)).reverse_bits();
+        let [x, y] = self.bits(key);
         (to_unit(x), to_unit(y))
     }
 
-    /// A number between 0 and 1, neither included.
+    /// A number between 0 and 1, neither included: the first of the [`pair`](Self::pair).
     #[inline]
     pub(crate) fn single(&self, key: Key) -> f64 {
+        self.pair(key).0
+    }
+
+    /// The first of the aligned [`GROUP`] of samples of the pixel that this one is of, and its place there.
+    #[inline]
+    pub(crate) fn in_group(&self) -> (Self, usize) {
+        let below = u32::MAX >> GROUP_BITS;
+        let place = (self.reversed_index & !below).reverse_bits() as usize;
+        (Self { reversed_index: self.reversed_index & below, ..*self }, place)
+    }
+
+    /// [`bits`](Self::bits) for all samples of the group that begins with this one, with one key: loops
+    /// that become instructions for all at once.
+    #[inline(always)]
+    pub(crate) fn group(&self, key: Key) -> [[u32; GROUP]; 2] {
         let seed = mix(self.seed, key.0);
-        let (index, shift) = self.shuffled(seed);
-        to_unit(laine_karras(index ^ shift[0], mix(seed, 1)).reverse_bits())
+        let shift = self.shift(seed);
+        let seeds = [mix(seed, 1), mix(seed, 2)];
+        let (mut x, mut y) = ([0; GROUP], [0; GROUP]);
+        for (i, (x, y)) in (0..).zip(x.iter_mut().zip(&mut y)) {
+            let reversed_index = self.reversed_index | u32::reverse_bits(i);
+            [*x, *y] = point(index(reversed_index, seed), shift, seeds);
+        }
+        [x, y]
     }
 
     /// The number of the sample, counted on from one that depends on the pixel and the key.
@@ -144,14 +172,29 @@ impl Sample {
     }
 }
 
+/// The place of a sample in the sequence of a key: shuffled so that aligned ranges of places stay together.
+#[inline(always)]
+fn index(reversed_index: u32, seed: u32) -> u32 {
+    laine_karras(reversed_index, seed).reverse_bits() & 0xffff
+}
+
+/// The point at a place of the sequence, shifted and scrambled.
+#[inline(always)]
+fn point(index: u32, shift: [u32; 2], seeds: [u32; 2]) -> [u32; 2] {
+    let x = laine_karras(index ^ shift[0], seeds[0]).reverse_bits();
+    let y = laine_karras(sobol_reversed(index) ^ shift[1], seeds[1]).reverse_bits();
+    [x, y]
+}
+
+/// A number between 0 and 1, neither included, of 32 random bits.
 #[inline]
-fn to_unit(bits: u32) -> f64 {
+pub(crate) fn to_unit(bits: u32) -> f64 {
     const STEP: f64 = 1.0 / 4_294_967_296.0;
     (f64::from(bits) + 0.5) * STEP
 }
 
 /// A hash of two words (Murmur3's finisher).
-#[inline]
+#[inline(always)]
 pub(crate) fn mix(a: u32, b: u32) -> u32 {
     let mut h = a.rotate_left(13).wrapping_mul(0x9e37_79b1) ^ b.wrapping_add(0x85eb_ca6b);
     h ^= h >> 16;
@@ -163,7 +206,7 @@ pub(crate) fn mix(a: u32, b: u32) -> u32 {
 
 /// The hash in which each bit depends on itself and the lower ones alone: on numbers with their
 /// bits in reverse order, Owen's scrambling.
-#[inline]
+#[inline(always)]
 fn laine_karras(mut x: u32, seed: u32) -> u32 {
     x ^= x.wrapping_mul(0x3d20_adea);
     x = x.wrapping_add(seed);
@@ -175,7 +218,7 @@ fn laine_karras(mut x: u32, seed: u32) -> u32 {
 /// The second Sobol dimension, bits in reverse order. Its matrix is Pascal's triangle modulo 2, bit
 /// j of the result the sum of the bits k with C(k, j) odd, which by Lucas' theorem are those whose
 /// k holds all binary digits of j: five steps sum over all of them.
-#[inline]
+#[inline(always)]
 fn sobol_reversed(mut index: u32) -> u32 {
     index ^= index >> 1 & 0x5555_5555;
     index ^= index >> 2 & 0x3333_3333;

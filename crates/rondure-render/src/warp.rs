@@ -24,6 +24,17 @@ impl Frame {
         self.x * v.x + self.y * v.y + self.z * v.z
     }
 
+    /// The vector (x, y, 0).
+    #[inline]
+    pub(crate) fn across(&self, x: f64, y: f64) -> Vec3 {
+        self.x * x + self.y * y
+    }
+
+    #[inline]
+    pub(crate) fn normal(&self) -> Vec3 {
+        self.z
+    }
+
     #[inline]
     pub(crate) fn to_local(self, v: Vec3) -> Vec3 {
         Vec3::new(self.x.dot(v), self.y.dot(v), self.z.dot(v))
@@ -57,35 +68,42 @@ pub(crate) fn sin_cos_turn(u: f64) -> (f64, f64) {
     (signed(s, quarters), signed(c, quarters + 1))
 }
 
-/// The coefficients of the series of sin x / x and cos x in x^2.
-const SINE: [f64; 10] = alternating(1);
-const COSINE: [f64; 10] = alternating(0);
-
-/// 1 / n! for every other n from `first` on, with alternating signs.
-const fn alternating(first: u32) -> [f64; 10] {
-    let mut terms = [0.0; 10];
-    let (mut factorial, mut n, mut i) = (1.0, first, 0);
-    while i < 10 {
-        terms[i] = if i % 2 == 0 { 1.0 / factorial } else { -1.0 / factorial };
-        factorial *= ((n + 1) * (n + 2)) as f64;
-        n += 2;
-        i += 1;
-    }
-    terms
-}
+/// The coefficients of sin x / x and cos x in x^2, to within 2^-58 between -pi/4 and pi/4 (Sun's fdlibm, `k_sin.c` and `k_cos.c`).
+const SINE: [f64; 8] = [
+    1.0,
+    -1.666_666_666_666_663_2e-1,
+    8.333_333_333_322_49e-3,
+    -1.984_126_982_985_794_9e-4,
+    2.755_731_370_707_006_77e-6,
+    -2.505_076_025_340_686_34e-8,
+    1.589_690_995_211_550_1e-10,
+    0.0,
+];
+const COSINE: [f64; 8] = [
+    1.0,
+    -0.5,
+    4.166_666_666_666_660_2e-2,
+    -1.388_888_888_887_410_96e-3,
+    2.480_158_728_947_672_94e-5,
+    -2.755_731_435_139_066_33e-7,
+    2.087_572_321_298_174_83e-9,
+    -1.135_964_755_778_819_48e-11,
+];
 
 /// Sine and cosine of an angle between -pi/4 and pi/4, within 3e-16: the functions of the library are called from afar and
 /// take longer.
-#[inline]
+#[inline(always)]
 fn sin_cos_small(x: f64) -> (f64, f64) {
-    let x2 = x * x;
+    (x * series(&SINE, x * x), series(&COSINE, x * x))
+}
+
+/// The even and the odd powers of x^2 side by side.
+#[inline(always)]
+fn series(c: &[f64; 8], x2: f64) -> f64 {
     let x4 = x2 * x2;
-    let series = |c: &[f64; 10]| {
-        let half =
-            |i: usize| c[i] + x4 * (c[i + 2] + x4 * (c[i + 4] + x4 * (c[i + 6] + x4 * c[i + 8])));
-        half(0) + x2 * half(1)
-    };
-    (x * series(&SINE), series(&COSINE))
+    let even = c[0] + x4 * (c[2] + x4 * (c[4] + x4 * c[6]));
+    let odd = c[1] + x4 * (c[3] + x4 * (c[5] + x4 * c[7]));
+    even + x2 * odd
 }
 
 /// A direction of the upper hemisphere with density cos / pi.

@@ -336,7 +336,11 @@ impl World {
 
     /// One of the lamps for a place, in proportion to how much each may light it, and its probability. `choice` makes a number
     /// between 0 and 1.
-    pub(crate) fn choose_lamp(&self, at: Vec3, choice: impl Fn() -> f64) -> Option<(usize, f64)> {
+    pub(crate) fn choose_lamp(
+        &self,
+        at: Vec3,
+        choice: impl FnOnce() -> f64,
+    ) -> Option<(usize, f64)> {
         if self.lamps.len() <= 1 {
             return (!self.lamps.is_empty()).then_some((0, 1.0));
         }

@@ -82,17 +82,19 @@ impl Ggx {
         self.density(half.z) * 0.5 / (wo.z + self.root(wo.z))
     }
 
-    /// A direction of reflection, the cosine with the half vector, and what is left of the light
-    /// before the Fresnel factor: G2 / G1. `None` if the direction leads into the surface.
+    /// A direction of reflection, and the cosine with the half vector. `None` if the direction leads into the surface.
     #[inline]
-    pub(crate) fn sample(self, wo: Vec3, u: (f64, f64)) -> Option<(Vec3, f64, f64)> {
+    pub(crate) fn direction(self, wo: Vec3, u: (f64, f64)) -> Option<(Vec3, f64)> {
         let half = self.visible_normal(wo, u);
         let cos = half.dot(wo);
         let wi = half * (2.0 * cos) - wo;
-        if !(wi.z > 0.0) {
-            return None;
-        }
-        Some((wi, cos.clamp(0.0, 1.0), self.masked(wo, wi)))
+        (wi.z > 0.0).then_some((wi, cos.clamp(0.0, 1.0)))
+    }
+
+    /// The same, and what is left of the light before the Fresnel factor: G2 / G1.
+    #[inline]
+    pub(crate) fn sample(self, wo: Vec3, u: (f64, f64)) -> Option<(Vec3, f64, f64)> {
+        self.direction(wo, u).map(|(wi, cos)| (wi, cos, self.masked(wo, wi)))
     }
 
     /// Smith's masking of one direction, on either side.

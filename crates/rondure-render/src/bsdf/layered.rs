@@ -411,7 +411,7 @@ impl Facing<'_> {
                         }
                     };
                 }
-                Lobe::Rough(ggx) => (ggx.sample(wo, u)?.0, lobe.kind()),
+                Lobe::Rough(ggx) => (ggx.direction(wo, u)?.0, lobe.kind()),
             }
         };
         let parts = self.value(shares, direction);

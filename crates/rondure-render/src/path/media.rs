@@ -16,12 +16,13 @@ pub(crate) struct Body {
     pub(crate) priority: i32,
 }
 
-/// What a path does that goes through the boundary of a body.
+/// What a path does that goes through the boundary of a body: not an enumeration, which would be put together in memory and be read again
+/// before it is written.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Crossing {
-    Enters(Body),
-    /// A thing, and what the face fills it with.
-    Leaves(u32, u32),
+pub(crate) struct Crossing {
+    /// Whether it enters the body, or leaves it by a face that fills it so; what it leaves needs no priority.
+    pub(crate) enters: bool,
+    pub(crate) body: Body,
 }
 
 /// The bodies that a path is inside of, in the order of entering.
@@ -40,29 +41,28 @@ impl Media {
 
     /// Goes through a boundary.
     pub(crate) fn cross(&mut self, crossing: Crossing) {
-        match crossing {
-            Crossing::Enters(body) => {
-                if self.len < MAX_NESTED {
-                    self.inside[self.len] = body;
-                    self.len += 1;
-                }
+        let Crossing { enters, body } = crossing;
+        if enters {
+            if self.len < MAX_NESTED {
+                self.inside[self.len] = body;
+                self.len += 1;
             }
-            Crossing::Leaves(thing, finish) => {
-                if let Some(i) = self.place(thing, finish) {
-                    self.inside.copy_within(i + 1..self.len, i);
-                    self.len -= 1;
-                }
+        } else if let Some(i) = self.place(body) {
+            self.len -= 1;
+            // Nearly always the last one.
+            if i < self.len {
+                self.inside.copy_within(i + 1..=self.len, i);
             }
         }
     }
 
-    /// Where the body stands that is left by a face of a thing.
-    fn place(&self, thing: u32, finish: u32) -> Option<usize> {
+    /// Where the body stands that is left.
+    fn place(&self, left: Body) -> Option<usize> {
         let inside = &self.inside[..self.len];
-        let same = |body: &Body| body.thing == thing && body.finish == finish;
+        let same = |body: &Body| body.thing == left.thing && body.finish == left.finish;
         // A face may tell another filling than that by which the body was entered.
         let found = inside.iter().rposition(same);
-        found.or_else(|| inside.iter().rposition(|body| body.thing == thing))
+        found.or_else(|| inside.iter().rposition(|body| body.thing == left.thing))
     }
 
     /// The body that fills the place.
@@ -75,26 +75,32 @@ impl Media {
     /// The one that fills it on the other side of a boundary.
     pub(crate) fn filling_beyond(&self, crossing: Crossing) -> Option<Body> {
         let inside = &self.inside[..self.len];
-        match crossing {
-            Crossing::Enters(body) => {
-                let new = (self.len < MAX_NESTED).then_some(body);
-                inside.iter().copied().chain(new).max_by_key(|body| body.priority)
-            }
-            Crossing::Leaves(thing, finish) => {
-                let left = self.place(thing, finish);
-                let rest = (0..).zip(inside).filter(|(i, _)| Some(*i) != left);
-                rest.map(|(_, body)| *body).max_by_key(|body| body.priority)
-            }
+        let Crossing { enters, body } = crossing;
+        if enters {
+            let new = (self.len < MAX_NESTED).then_some(body);
+            inside.iter().copied().chain(new).max_by_key(|body| body.priority)
+        } else {
+            let left = self.place(body);
+            let rest = (0..).zip(inside).filter(|(i, _)| Some(*i) != left);
+            rest.map(|(_, body)| *body).max_by_key(|body| body.priority)
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Crossing::*, *};
+    use super::*;
 
     fn body(thing: u32, priority: i32) -> Body {
         Body { thing, finish: thing, priority }
+    }
+
+    fn enters(body: Body) -> Crossing {
+        Crossing { enters: true, body }
+    }
+
+    fn leaves(thing: u32) -> Crossing {
+        Crossing { enters: false, body: body(thing, 0) }
     }
 
     /// The bodies after some crossings. What fills the place was foretold.
@@ -111,31 +117,31 @@ mod tests {
     #[test]
     fn highest_priority_fills_the_overlap() {
         let (glass, wine) = (body(1, 2), body(2, 1));
-        let both = [Enters(glass), Enters(wine)];
+        let both = [enters(glass), enters(wine)];
         assert_eq!(after(&both).filling(), Some(glass));
-        assert_eq!(after(&[both[0], both[1], Leaves(1, 1)]).filling(), Some(wine));
-        assert_eq!(after(&[both[0], both[1], Leaves(1, 1), Leaves(2, 2)]).filling(), None);
+        assert_eq!(after(&[both[0], both[1], leaves(1)]).filling(), Some(wine));
+        assert_eq!(after(&[both[0], both[1], leaves(1), leaves(2)]).filling(), None);
     }
 
     #[test]
     fn of_equals_the_last_entered_fills() {
         let (a, b) = (body(1, 0), body(2, 0));
-        let both = [Enters(a), Enters(b)];
+        let both = [enters(a), enters(b)];
         assert_eq!(after(&both).filling(), Some(b));
-        assert_eq!(after(&[both[0], both[1], Leaves(2, 2)]).filling(), Some(a));
-        assert_eq!(after(&[both[0], both[1], Leaves(1, 1)]).filling(), Some(b));
+        assert_eq!(after(&[both[0], both[1], leaves(2)]).filling(), Some(a));
+        assert_eq!(after(&[both[0], both[1], leaves(1)]).filling(), Some(b));
     }
 
     #[test]
     fn leaving_what_was_not_entered_changes_nothing() {
-        let crossings = [Enters(body(1, 0)), Leaves(3, 3)];
+        let crossings = [enters(body(1, 0)), leaves(3)];
         assert_eq!(after(&crossings).filling(), Some(body(1, 0)));
     }
 
     #[test]
     fn more_bodies_than_there_is_room_for_are_not_counted() {
         let crossings: Vec<_> =
-            (0..=MAX_NESTED as i32).map(|i| Enters(body(i as u32, i))).collect();
+            (0..=MAX_NESTED as i32).map(|i| enters(body(i as u32, i))).collect();
         assert_eq!(after(&crossings).filling(), Some(body(7, 7)));
     }
 }

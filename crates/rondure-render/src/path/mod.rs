@@ -30,6 +30,7 @@ use crate::{
     bsdf::{Kind, Part, Wavelength},
     color::Rgb,
     light::{Incoming, Lamp},
+    numbers::Numbers,
     sampler::{Key, Sample},
     world::{Contact, Role, World},
 };
@@ -67,7 +68,7 @@ pub(crate) struct Tracer<'a> {
     least_branch: f64,
     weighting: Weighting,
     pub(crate) statistics: Statistics,
-    sample: Sample,
+    numbers: Numbers,
     /// Branches that are to be followed yet.
     waiting: Vec<(Walk, Media)>,
     /// What the path at hand is inside of.
@@ -148,7 +149,7 @@ impl<'a> Tracer<'a> {
             least_branch: if branches { least } else { f64::INFINITY },
             weighting: Weighting::default(),
             statistics: Statistics::default(),
-            sample: Sample::new(0, 0, 0, 0),
+            numbers: Numbers::new(),
             waiting: Vec::new(),
             media: Media::default(),
         }
@@ -160,7 +161,7 @@ impl<'a> Tracer<'a> {
     /// As long as the path runs by mirrors and glass, and carries enough weight, both ways are followed that
     /// it can take: what is reflected, and the rest.
     pub(crate) fn camera_ray(&mut self, sample: Sample, ray: &Ray, first: Option<Contact>) -> Rgb {
-        self.sample = sample;
+        self.numbers.begin(sample);
         self.statistics.camera_rays += 1;
         let mut light = Rgb::BLACK;
         let mut walk = Walk::from_eye(ray);
@@ -210,14 +211,13 @@ impl<'a> Tracer<'a> {
             return false;
         }
         if walk.wavelength.is_none() && is_dispersive(optics) {
-            let wavelength = Wavelength(self.sample.single(walk.key.child(WAVELENGTH)));
+            let wavelength = Wavelength(self.numbers.single(walk.key, WAVELENGTH));
             walk.weight = walk.weight * wavelength.color();
             walk.wavelength = Some(wavelength);
         }
-        let sample = self.sample;
-        let draw = Draw::new(&sample, walk.key);
+        let draw = &mut Draw::new(&mut self.numbers, walk.key);
         let (met, wavelength) = ((finish, solid), walk.wavelength);
-        let vertex = Vertex::new(world, &walk.ray, &contact, met, &self.media, wavelength, &draw);
+        let vertex = Vertex::new(world, &walk.ray, &contact, met, &self.media, wavelength, draw);
         let is_target = self.photons.is_some_and(|photons| photons.is_target(contact.thing));
         let target = is_target.then_some(contact.thing);
         let all_lamps = !walk.scattered && world.lamps.len() <= FEW_LAMPS;
@@ -226,7 +226,8 @@ impl<'a> Tracer<'a> {
             let target = target.filter(|_| walk.scattered);
             *light += walk.weight * self.direct(walk, &vertex, target, all_lamps);
         }
-        let splits = !walk.scattered && walk.depth < SPLITS;
+        let branches = self.least_branch < f64::INFINITY;
+        let splits = branches && !walk.scattered && walk.depth < SPLITS;
         let split = splits.then(|| vertex.split()).flatten().filter(|share| {
             share.min(1.0 - share) * walk.weight.max_channel() >= self.least_branch
         });
@@ -236,35 +237,37 @@ impl<'a> Tracer<'a> {
         {
             let left = self.depth - walk.depth;
             let index = filling.map_or(1.0, |glass| glass.ior(walk.wavelength));
-            let turn = self.sample.turn(walk.key);
+            let turn = self.numbers.sample().turn(walk.key);
             let found = photons.gather(&vertex, contact.thing, left, turn, reflecting);
             *light += walk.weight * found / (index * index);
         }
         let from = Departure { vertex: &vertex, target, all_lamps, reflecting };
-        let Some(share) = split else { return self.go_on(walk, &from, &draw, 1.0, NEXT) };
+        let Some(share) = split else { return self.go_on(walk, &from, [0.0, 1.0], NEXT) };
         let (start, media) = (walk.clone(), self.media.clone());
-        if self.go_on(walk, &from, &draw.among(0.0, share), share, NEXT) {
+        if self.go_on(walk, &from, [0.0, share], NEXT) {
             self.waiting.push((walk.clone(), self.media.clone()));
         }
         (*walk, self.media) = (start, media);
-        self.go_on(walk, &from, &draw.among(share, 1.0 - share), 1.0 - share, BRANCH)
+        self.go_on(walk, &from, [share, 1.0 - share], BRANCH)
     }
 
-    /// Goes on from a place, if the path does not end there, with a share of its ways.
+    /// Goes on from a place, if the path does not end there. `lobes` tells where the numbers begin that choose between the lobes of the
+    /// branch, and what share of all they are.
     fn go_on(
         &mut self,
         walk: &mut Walk,
         from: &Departure<'_>,
-        draw: &Draw<'_>,
-        share: f64,
+        lobes: [f64; 2],
         branch: u32,
     ) -> bool {
+        let share = lobes[1];
+        let draw = Draw::new(&mut self.numbers, walk.key).among(lobes);
         let Some(onward) = from.vertex.onward(draw) else { return false };
         let mut weight = walk.weight * onward.weight * share;
         if walk.depth >= ROULETTE_FROM && !onward.straight {
             // Where a path branched it became no less worth following.
             let live = (weight.max_channel() / (walk.part * share)).min(1.0);
-            if !(self.sample.single(walk.key.child(ROULETTE)) < live) {
+            if !(self.numbers.single(walk.key, ROULETTE) < live) {
                 return false;
             }
             weight = weight / live;
@@ -273,7 +276,9 @@ impl<'a> Tracer<'a> {
         walk.ray = from.vertex.surface.spawn(onward.direction);
         walk.weight = weight;
         walk.part *= share;
-        if let Some(crossing) = onward.crossing {
+        if onward.through
+            && let Some(crossing) = from.vertex.crossing
+        {
             self.media.cross(crossing);
         }
         walk.key = walk.key.child(branch);
@@ -376,16 +381,16 @@ impl<'a> Tracer<'a> {
         };
         if all {
             for (i, lamp) in (0..).zip(&world.lamps) {
-                let u = self.sample.pair(walk.key.child(LAMPS + i));
+                let u = self.numbers.pair(walk.key, LAMPS + i);
                 if let Some(incoming) = lamp.sample(at, u) {
                     let narrow = left(self, i, &incoming);
                     sum += self.arriving(vertex, &incoming, narrow);
                 }
             }
         } else {
-            let choice = || self.sample.single(walk.key.child(LAMP));
+            let choice = || self.numbers.single(walk.key, LAMP);
             if let Some((lamp, share)) = world.choose_lamp(at, choice) {
-                let u = self.sample.pair(walk.key.child(LAMPS));
+                let u = self.numbers.pair(walk.key, LAMPS);
                 if let Some(incoming) = world.lamps[lamp].sample(at, u) {
                     let narrow = left(self, lamp as u32, &incoming);
                     let (light, pdf) = (incoming.light / share, incoming.pdf * share);
@@ -396,7 +401,7 @@ impl<'a> Tracer<'a> {
         }
         // Of an even sky chance knows about as much.
         if world.sky.is_picture()
-            && let Some(incoming) = world.sky.sample(self.sample.pair(walk.key.child(SKY)))
+            && let Some(incoming) = world.sky.sample(self.numbers.pair(walk.key, SKY))
         {
             // No photons come from the sky.
             sum += self.arriving(vertex, &incoming, 1.0);
@@ -410,13 +415,13 @@ impl<'a> Tracer<'a> {
         let weighting = self.weighting;
         let weigh = |part: Part| part.value * weighting.of_looking(incoming.pdf, part.pdf);
         let mut seen = weigh(parts.wide);
-        if narrow > 0.0 {
+        if narrow > 0.0 && !parts.narrow.value.is_black() {
             seen += weigh(parts.narrow) * narrow;
         }
         if seen.is_black() {
             return Rgb::BLACK;
         }
-        let ray = incoming.sight(&vertex.surface);
+        let ray = incoming.way(&vertex.surface);
         self.statistics.shadow_rays += 1;
         if self.world.is_occluded(&ray) {
             return Rgb::BLACK;

@@ -323,6 +323,7 @@ mod tests {
 
     use super::*;
     use crate::{
+        numbers::Numbers,
         path::{media::Media, tests::world_of, vertex::Draw},
         sampler::{Key, Sample},
         world::Role,
@@ -394,10 +395,10 @@ mod tests {
                     Ray::new(Vec3::new(x, y - 1.0, 1.0), Vec3::new(0.0, 1.0, -1.0).normalized());
                 let contact = world.closest(&ray).unwrap();
                 let Role::Surface { finish, solid } = world.met(&ray, &contact) else { panic!() };
-                let sample = Sample::new(0, 0, 0, 0);
-                let (draw, media) = (Draw::new(&sample, Key::ROOT), Media::default());
+                let mut numbers = Numbers::new();
+                let (draw, media) = (&mut Draw::new(&mut numbers, Key::ROOT), Media::default());
                 let met = (finish, solid);
-                let vertex = Vertex::new(&world, &ray, &contact, met, &media, None, &draw);
+                let vertex = Vertex::new(&world, &ray, &contact, met, &media, None, draw);
                 let expected = one_by_one(RADIUS, &photons, &vertex, 2);
                 let sum = (0..TURNS).fold(Rgb::BLACK, |sum, turn| {
                     sum + map.gather(&vertex, contact.thing, 2, turn, SAMPLES)

@@ -27,6 +27,7 @@ use crate::{
     bsdf::{Kind, Wavelength},
     color::Rgb,
     light::{Emitted, Lamp},
+    numbers::Numbers,
     sampler::{Key, Sample},
     world::{Role, World},
 };
@@ -166,7 +167,9 @@ impl Photons {
         let shoot_some = |first: u32| {
             let some = first..count.min(first + AT_A_TIME);
             let before = through.fetch_add(some.len() as u32, Ordering::Relaxed);
-            let found = || some.flat_map(|i| shoot(world, aim, volley, i, count)).collect();
+            let mut numbers = Numbers::new();
+            let found =
+                || some.flat_map(|i| shoot(world, aim, volley, i, count, &mut numbers)).collect();
             go_on(f64::from(before) / f64::from(count)).then(found)
         };
         let found: Option<Vec<Vec<Photon>>> = (0..count.div_ceil(AT_A_TIME))
@@ -237,19 +240,26 @@ impl Photons {
 }
 
 /// Follows one photon to all places where it comes to rest.
-fn shoot(world: &World, aim: &Aim, volley: &Volley, i: u32, count: u32) -> Vec<Photon> {
+fn shoot(
+    world: &World,
+    aim: &Aim,
+    volley: &Volley,
+    i: u32,
+    count: u32,
+    numbers: &mut Numbers,
+) -> Vec<Photon> {
     const OWN_SEED: u64 = 0x7068_6f74_6f6e_0001;
-    let sample = Sample::new(
+    numbers.begin(Sample::new(
         volley.seed ^ OWN_SEED,
         i >> 16,
         volley.pass.wrapping_mul(0x9e37_79b1),
         i & 0xffff,
-    );
+    ));
     let mut found = Vec::new();
     let mut key = Key::ROOT;
-    let Some((pair, share)) = aim.choose(sample.single(key.child(PAIR))) else { return found };
+    let Some((pair, share)) = aim.choose(numbers.single(key, PAIR)) else { return found };
     let lamp = &world.lamps[pair.lamp as usize];
-    let (place, aimed) = (sample.pair(key.child(PLACE)), sample.pair(key.child(AIM)));
+    let (place, aimed) = (numbers.pair(key, PLACE), numbers.pair(key, AIM));
     let Some(Emitted { mut ray, power }) = lamp.emit(pair.center, pair.radius, place, aimed) else {
         return found;
     };
@@ -275,12 +285,13 @@ fn shoot(world: &World, aim: &Aim, volley: &Volley, i: u32, count: u32) -> Vec<P
         }
         let optics = world.optics(finish);
         if wavelength.is_none() && is_dispersive(optics) {
-            let chosen = Wavelength(sample.single(key.child(WAVELENGTH)));
+            let chosen = Wavelength(numbers.single(key, WAVELENGTH));
             power = power * chosen.color();
             wavelength = Some(chosen);
         }
-        let draw = Draw::new(&sample, key.child(7));
-        let vertex = Vertex::new(world, &ray, &contact, (finish, solid), &media, wavelength, &draw);
+        let own = key.child(7);
+        let draw = &mut Draw::new(numbers, own);
+        let vertex = Vertex::new(world, &ray, &contact, (finish, solid), &media, wavelength, draw);
         if bounces > 0 {
             way += contact.t;
         }
@@ -297,18 +308,20 @@ fn shoot(world: &World, aim: &Aim, volley: &Volley, i: u32, count: u32) -> Vec<P
                 level: level.min(HIGHEST_LEVEL),
             });
         }
-        let Some(onward) = vertex.onward(&draw) else { break };
+        let Some(onward) = vertex.onward(Draw::new(numbers, own)) else { break };
         if onward.kind == Kind::Wide {
             break;
         }
         power = power * onward.weight;
         let live = (power.max_channel() / first_power).min(1.0);
-        if !(sample.single(key.child(ROULETTE)) < live) {
+        if !(numbers.single(key, ROULETTE) < live) {
             break;
         }
         power = power / live;
         ray = vertex.surface.spawn(onward.direction);
-        if let Some(crossing) = onward.crossing {
+        if onward.through
+            && let Some(crossing) = vertex.crossing
+        {
             media.cross(crossing);
         }
         key = key.child(NEXT);

@@ -7,8 +7,9 @@ use crate::{
     bsdf::{Boundary, Facing, Kind, Parts, Scatter, Smooth, Wavelength},
     color::Rgb,
     fresnel,
+    numbers::Numbers,
     optics::{Medium, Optics},
-    sampler::{Key, Sample},
+    sampler::Key,
     warp::Frame,
     world::{Contact, World},
 };
@@ -19,39 +20,39 @@ const LOBE: u32 = 2;
 const MODEL: u32 = 5;
 
 /// The random numbers that a place takes, made when they are asked for.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub(crate) struct Draw<'a> {
-    sample: &'a Sample,
+    numbers: &'a mut Numbers,
     key: Key,
     /// Where the numbers begin that choose between lobes, and what part of all they are.
     lobes: [f64; 2],
 }
 
 impl<'a> Draw<'a> {
-    pub(crate) fn new(sample: &'a Sample, key: Key) -> Self {
-        Self { sample, key, lobes: [0.0, 1.0] }
+    pub(crate) fn new(numbers: &'a mut Numbers, key: Key) -> Self {
+        Self { numbers, key, lobes: [0.0, 1.0] }
     }
 
     /// The same for the lobes of a branch alone.
-    pub(crate) fn among(self, from: f64, share: f64) -> Self {
-        Self { lobes: [from, share], ..self }
+    pub(crate) fn among(self, lobes: [f64; 2]) -> Self {
+        Self { lobes, ..self }
     }
 
     /// Between what is glass and what is not.
     #[inline]
-    fn model(&self) -> f64 {
-        self.sample.single(self.key.child(MODEL))
+    fn model(&mut self) -> f64 {
+        self.numbers.single(self.key, MODEL)
     }
 
     /// Between lobes.
     #[inline]
-    fn lobe(&self) -> f64 {
-        self.lobes[0] + self.lobes[1] * self.sample.single(self.key.child(LOBE))
+    fn lobe(&mut self) -> f64 {
+        self.lobes[0] + self.lobes[1] * self.numbers.single(self.key, LOBE)
     }
 
     #[inline]
-    fn direction(&self) -> (f64, f64) {
-        self.sample.pair(self.key.child(DIRECTION))
+    fn direction(&mut self) -> (f64, f64) {
+        self.numbers.pair(self.key, DIRECTION)
     }
 }
 
@@ -61,8 +62,8 @@ pub(crate) struct Vertex<'a> {
     normal: Vec3,
     outgoing: Vec3,
     model: Model<'a>,
-    /// What a path does that goes through.
-    crossing: Option<Crossing>,
+    /// What a path does that goes through, if it is the boundary of a body.
+    pub(crate) crossing: Option<Crossing>,
 }
 
 /// What the surface does, in a frame whose z axis is the shading normal on the side that the path comes from.
@@ -95,8 +96,8 @@ pub(crate) struct Onward {
     /// The density by solid angle; infinite if the direction was the only one.
     pub(crate) pdf: f64,
     pub(crate) kind: Kind,
-    /// The boundary that it went through, if it is that of a body.
-    pub(crate) crossing: Option<Crossing>,
+    /// Whether it went through to the other side.
+    pub(crate) through: bool,
     /// Whether it passed a boundary that is none.
     pub(crate) straight: bool,
 }
@@ -110,7 +111,7 @@ impl<'a> Vertex<'a> {
         (finish, solid): (u32, bool),
         media: &Media,
         wavelength: Option<Wavelength>,
-        draw: &Draw<'_>,
+        draw: &mut Draw<'_>,
     ) -> Self {
         let surface = world.footing(ray, contact);
         let optics = world.optics(finish);
@@ -122,12 +123,8 @@ impl<'a> Vertex<'a> {
             Some(medium) if optics.clarity >= 1.0 || draw.model() < optics.clarity => {
                 let cos = normal.dot(outgoing).clamp(f64::MIN_POSITIVE, 1.0);
                 if solid {
-                    let thing = contact.thing;
-                    let through = if entering {
-                        Crossing::Enters(Body { thing, finish, priority: medium.priority })
-                    } else {
-                        Crossing::Leaves(thing, finish)
-                    };
+                    let body = Body { thing: contact.thing, finish, priority: medium.priority };
+                    let through = Crossing { enters: entering, body };
                     crossing = Some(through);
                     match indices(world, medium, entering, media, through, wavelength) {
                         None => Model::Hidden,
@@ -221,7 +218,7 @@ impl<'a> Vertex<'a> {
     }
 
     /// How a path goes on from here.
-    pub(crate) fn onward(&self, draw: &Draw<'_>) -> Option<Onward> {
+    pub(crate) fn onward(&self, mut draw: Draw<'_>) -> Option<Onward> {
         let in_frame = |frame: &Frame, scatter: Scatter| {
             let through = scatter.direction.z < 0.0;
             (
@@ -262,7 +259,7 @@ impl<'a> Vertex<'a> {
             // No lamp is looked for on the other side, so what is found there counts fully.
             pdf: if through { f64::INFINITY } else { pdf },
             kind,
-            crossing: self.crossing.filter(|_| through),
+            through,
             straight: matches!(self.model, Model::Hidden),
         })
     }
