@@ -33,7 +33,7 @@ impl Things {
     /// Whether the thing has an inside, and its normals point out of it.
     pub(crate) fn is_solid(&self, thing: u32) -> bool {
         match self.at(thing) {
-            Thing::Turned(i) => self.turned.surface(i).profile().bounds_solid(),
+            Thing::Turned(i) => self.turned.surface(i).bounds_solid(),
             Thing::Simple(shape) => shape.is_solid(),
         }
     }

@@ -48,9 +48,8 @@ impl ArcLengths {
                 start + fine
             });
             let lengths: ArrayVec<f64, { 1 << MOST_HALVINGS }> = lengths.collect();
-            // Also where it is not a number.
-            let exact = !((fine - coarse).abs() > ROUNDING * fine);
-            if exact {
+            let apart = (fine - coarse).abs();
+            if apart <= ROUNDING * fine || !apart.is_finite() {
                 break;
             }
             self.before.truncate(first as usize + 1);

@@ -91,9 +91,9 @@ impl AreaSampler {
         let mut stretches = Vec::new();
         let mut whole = 0.0;
         for (piece, i) in surface.pieces.iter().zip(0..) {
-            for (s, own) in smooth_stretches(piece) {
+            for (s, own) in smooth_stretches(&piece) {
                 if own > 0.0 {
-                    let density = s.map(|s| density(piece, s));
+                    let density = s.map(|s| density(&piece, s));
                     stretches.push(Stretch { piece: i, s, density, before: whole, own });
                     whole += own;
                 }
@@ -123,7 +123,9 @@ impl AreaSampler {
         // The first stretch has nothing before it.
         let stretch = &self.stretches[after.saturating_sub(1)];
         let target = (target - stretch.before).clamp(0.0, stretch.own);
-        (stretch.piece, stretch.invert(&surface.pieces[stretch.piece as usize], target))
+        let mut room = None;
+        let piece = surface.pieces.at(stretch.piece as usize, &mut room);
+        (stretch.piece, stretch.invert(piece, target))
     }
 
     /// The factor by which a placement stretches areas at a place whose normal in the world is `normal`.

@@ -116,14 +116,13 @@ impl Place {
         rounding: f64,
         hit: &Hit,
     ) -> Interaction {
-        let (curve, detail, s) = surface.curve_at(hit);
-        let normal = self.normal(detail.sense());
+        let normal = self.normal(surface.detail_at(hit).sense());
         let normal = inverse.map_or(normal, |rows| turned_back(rows, normal));
         let ([cos, sin], Point { r: dr, z: dz }) = (self.angle, self.tangent);
         let (r, z) = (self.profile.r, self.profile.z + surface.center_z);
         let turn = sin.atan2(cos) / TAU;
         let u = if turn < 0.0 { turn + 1.0 } else { turn };
-        let along = surface.lengths.until(detail.length, curve, s);
+        let along = surface.length_at(hit);
         Interaction {
             point: placement.point(Vec3::new(r * cos, r * sin, z)),
             normal,
@@ -159,7 +158,7 @@ fn from_afar(frame: &Frame, ray: &Ray, profile: Point, t: f64) -> Option<Vec3> {
 
 /// The normal alone at a hit of a surface that stands in `frame`.
 pub(crate) fn normal(surface: &Surface, frame: &Frame, ray: &Ray, hit: &Hit) -> Vec3 {
-    let sense = surface.curve_at(hit).1.sense();
+    let sense = surface.detail_at(hit).sense();
     frame.normal(Place::of(surface, frame, ray, hit).normal(sense))
 }
 
@@ -185,7 +184,7 @@ pub(crate) fn footing(
     ray: &Ray,
     hit: &Hit,
 ) -> Footing {
-    let sense = surface.curve_at(hit).1.sense();
+    let sense = surface.detail_at(hit).sense();
     let place = Place::of(surface, frame, ray, hit);
     let ([cos, sin], Point { r, z }) = (place.angle, place.profile);
     Footing {

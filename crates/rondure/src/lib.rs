@@ -37,6 +37,7 @@ mod meridian;
 pub mod numeric;
 mod orientation;
 mod piece;
+mod pieces;
 pub mod profile;
 mod rings;
 mod root;

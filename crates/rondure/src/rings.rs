@@ -116,7 +116,7 @@ mod tests {
             "M 0 0 L 3 0",
         ] {
             let surface = Surface::new(&Profile::from_path_data(path).unwrap());
-            let rings = Rings::new(&surface.pieces);
+            let rings = Rings::new(&surface.pieces.iter().collect::<Vec<_>>());
             assert!(rings.points.len() < 100, "{}", rings.points.len());
             for i in 0..64 {
                 let (dz, dr) = (core::f64::consts::PI * (f64::from(i) / 63.0 - 0.5)).sin_cos();
@@ -125,7 +125,7 @@ mod tests {
                 let points = surface
                     .pieces
                     .iter()
-                    .flat_map(|piece| (0..=64).map(|i| piece.jet(f64::from(i) / 64.0).point));
+                    .flat_map(|piece| (0..=64).map(move |i| piece.jet(f64::from(i) / 64.0).point));
                 let whole = points.map(|p| far(&p)).fold(f64::NEG_INFINITY, f64::max);
                 let size = surface.radius;
                 assert!(hull >= whole - 1e-15 * size && hull < whole + 2e-3 * size, "{path} {i}");

@@ -4,15 +4,18 @@
 //! Ray -> Frame: LocalRay -> Meridian -> ShellTree -> pieces -> root: (s, t) -> Hit -> Interaction
 //! ```
 
+use std::sync::OnceLock;
+
 use crate::arc_length::{ArcLengths, Stretches};
 use crate::batch::{AllHits, Gathered, Hits, Rays};
-use crate::engine::{Engine, EngineOptions, Polyline, Statistics, TreeNode};
+use crate::engine::{Engine, EngineOptions, Method, Polyline, Statistics, TreeNode};
 use crate::frame::{Frame, LocalRay, largest_stretch};
 use crate::interaction::{Interaction, interaction};
 use crate::meridian::Meridian;
 use crate::numeric::gamma;
 use crate::orientation::outward_senses;
-use crate::piece::{self, Piece};
+use crate::piece::{self, Jet, Piece};
+use crate::pieces::Pieces;
 use crate::profile::Point;
 use crate::rings::Rings;
 use crate::root;
@@ -36,13 +39,14 @@ pub struct Hit {
 /// direction is zero, hit nothing.
 #[derive(Clone, Debug)]
 pub struct Surface {
-    profile: Profile,
+    /// Made when it is asked for.
+    profile: OnceLock<Profile>,
     pub(crate) frame: Frame,
     engine: Engine,
     /// Where frusta come from, if the engine works on them.
     polyline: Option<Polyline>,
-    /// The pieces in drawing order, lowered by `center_z`.
-    pub(crate) pieces: Vec<Piece>,
+    /// The pieces in drawing order, lowered by `center_z`, and the profile.
+    pub(crate) pieces: Pieces,
     /// What belongs to each piece, or to each curve of the polyline, but is of no use to the search.
     pub(crate) details: Vec<Detail>,
     pub(crate) center_z: f64,
@@ -78,6 +82,7 @@ impl Detail {
     /// 1 if the normal is to the right of the drawing direction, -1 if to the left.
     #[inline]
     pub(crate) fn sense(self) -> f64 {
+        // No branch, which what is drawn beside what leads to misses.
         if self.segment & 1 == 0 { 1.0 } else { -1.0 }
     }
 }
@@ -130,7 +135,6 @@ impl Surface {
             details.retain(|_| of_details.next() == Some(true));
             pieces.retain(swept);
         }
-        pieces.shrink_to_fit();
         details.shrink_to_fit();
         lengths.shrink_to_fit();
         let mut polyline = None;
@@ -138,13 +142,18 @@ impl Surface {
             let (sources, frusta) = Polyline::sample(pieces, options.samples);
             (polyline, pieces) = (Some(sources), frusta);
         }
+        let packed = options.method == Method::Wide;
         Self {
-            profile: profile.clone(),
+            profile: OnceLock::new(),
             frame: Frame::unplaced(center_z, radius),
             engine: Engine::new(&pieces, radius, options),
             rings: Rings::new(&pieces),
             polyline,
-            pieces,
+            pieces: if packed {
+                Pieces::new(profile, &pieces, details.iter().map(|d| d.segment()), center_z)
+            } else {
+                Pieces::listed(profile, pieces, center_z)
+            },
             details,
             center_z,
             radius,
@@ -155,8 +164,15 @@ impl Surface {
     }
 
     /// The profile that the surface was built from.
+    ///
+    /// The surface has it in a form that takes half the memory. The first call makes it anew, and the surface keeps it.
     pub fn profile(&self) -> &Profile {
-        &self.profile
+        self.profile.get_or_init(|| self.pieces.profile())
+    }
+
+    /// Whether the [profile bounds a solid](Profile::bounds_solid).
+    pub fn bounds_solid(&self) -> bool {
+        self.pieces.open_subpath().is_none()
     }
 
     /// The number of pieces that the profile was cut into.
@@ -178,7 +194,7 @@ impl Surface {
 
     /// The engine's tree, in depth-first order, made anew at every call. The wide engine has none.
     pub fn tree(&self) -> Vec<TreeNode> {
-        self.engine.view(&self.pieces, self.center_z)
+        self.engine.view(&self.pieces.iter().collect::<Vec<_>>(), self.center_z)
     }
 
     /// Where a ray is inside the outer and outside the inner wall of a node of [`tree`](Self::tree),
@@ -199,7 +215,7 @@ impl Surface {
 
     /// The index of the profile's segment that a hit lies on, counted over all subpaths.
     pub fn segment(&self, hit: &Hit) -> usize {
-        self.curve_at(hit).1.segment() as usize
+        self.detail_at(hit).segment() as usize
     }
 
     /// The hit with the smallest t in the ray's range, if there is one.
@@ -403,9 +419,13 @@ impl Surface {
         let Some(local) = frame.enter(&ray.whole()) else { return };
         let meridian = Meridian::new(local.origin, local.direction);
         self.engine.walk(&local, &meridian, |piece| {
-            root::crossings(&self.pieces[piece as usize], &meridian, |s, local_t, step| {
-                report(Hit { t: local.world_t(local_t), piece, s }, step);
-            });
+            root::crossings(
+                self.pieces.at(piece as usize, &mut None),
+                &meridian,
+                |s, local_t, step| {
+                    report(Hit { t: local.world_t(local_t), piece, s }, step);
+                },
+            );
             local.range[1]
         });
     }
@@ -432,7 +452,7 @@ impl Surface {
         meridian: &Meridian,
         mut report: impl FnMut(Hit, f64),
     ) {
-        root::hits(&self.pieces[piece as usize], meridian, |s, local_t| {
+        root::hits(self.pieces.at(piece as usize, &mut None), meridian, |s, local_t| {
             let t = local.world_t(local_t);
             if ray.t_min <= t && t <= ray.t_max {
                 report(Hit { t, piece, s }, local_t);
@@ -475,34 +495,53 @@ pub(crate) fn placed_rounding(
 }
 
 impl Surface {
-    /// The curve of the profile that a hit belongs to, what belongs to it, and the parameter on it.
-    pub(crate) fn curve_at(&self, hit: &Hit) -> (&Piece, &Detail, f64) {
+    /// What belongs to the curve of the profile that a hit lies on.
+    #[inline]
+    pub(crate) fn detail_at(&self, hit: &Hit) -> &Detail {
+        let piece = hit.piece as usize;
+        match &self.polyline {
+            Some(polyline) => &self.details[polyline.place(piece, hit.s).0],
+            None => &self.details[piece],
+        }
+    }
+
+    /// The arc length of the profile from its beginning to a hit.
+    pub(crate) fn length_at(&self, hit: &Hit) -> f64 {
         let piece = hit.piece as usize;
         match &self.polyline {
             Some(polyline) => {
                 let (curve, s) = polyline.place(piece, hit.s);
-                (&polyline.curves[curve], &self.details[curve], s)
+                self.lengths.until(self.details[curve].length, &polyline.curves[curve], s)
             }
-            None => (&self.pieces[piece], &self.details[piece], hit.s),
+            None => {
+                let mut room = None;
+                let curve = self.pieces.at(piece, &mut room);
+                self.lengths.until(self.details[piece].length, curve, hit.s)
+            }
         }
     }
 
     /// The point and the derivative by s of the profile at a hit, in the surface's own frame.
+    #[inline]
     pub(crate) fn profile_at(&self, hit: &Hit) -> (Point, Point) {
-        let piece = &self.pieces[hit.piece as usize];
-        let jet = piece.jet(hit.s);
-        let mut tangent = match self.polyline {
-            Some(_) => {
-                let (curve, _, s) = self.curve_at(hit);
-                curve.jet(s).tangent
-            }
-            None => jet.tangent,
-        };
+        let index = hit.piece as usize;
+        let jet = self.pieces.packed_jet(index, hit.s);
+        let Jet { point, tangent } = jet.unwrap_or_else(|| self.walked_jet(hit));
         if tangent == Point::default() {
             // A handle of length zero: the curve sets out towards the rest of itself.
-            tangent = piece.end() - piece.start();
+            let [start, end] = self.pieces.ends(index);
+            return (point, end - start);
         }
-        (jet.point, tangent)
+        (point, tangent)
+    }
+
+    /// The same with the engines that walk along pieces; if they do so along frusta, the derivative is that of the curve.
+    fn walked_jet(&self, hit: &Hit) -> Jet {
+        let index = hit.piece as usize;
+        let jet = self.pieces.jet(index, hit.s);
+        let Some(polyline) = &self.polyline else { return jet };
+        let (curve, s) = polyline.place(index, hit.s);
+        Jet { tangent: polyline.curves[curve].jet(s).tangent, ..jet }
     }
 }
 

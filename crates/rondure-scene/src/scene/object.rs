@@ -252,7 +252,7 @@ fn warn_about_open_glass(table: &Table<'_>, shape: &Shape, material: Option<&Mat
     else {
         return;
     };
-    if !instance.surface().profile().bounds_solid() {
+    if !instance.surface().bounds_solid() {
         let span = table.key_span("profile").unwrap_or(table.span());
         table.context().push(
             Diagnostic::warning("this glass has no inside: its profile is open")

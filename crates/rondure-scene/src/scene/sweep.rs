@@ -31,7 +31,7 @@ pub(super) fn capped(
     if !wanted {
         return Some(surface);
     }
-    if surface.profile().bounds_solid() {
+    if surface.bounds_solid() {
         let warning =
             Diagnostic::warning("`caps` changes nothing: the profile bounds a solid already");
         table.context().push(warning.at(value.span(), ""));

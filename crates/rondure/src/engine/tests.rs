@@ -149,7 +149,7 @@ fn every_method_finds_what_all_frusta_have_on_a_million_rays() {
 fn frusta(profile: &Profile, samples: u32) -> (Vec<Piece>, f64) {
     let options = EngineOptions { method: Method::Cy, samples, ..EngineOptions::default() };
     let surface = Surface::with_engine(profile, &options);
-    (surface.pieces.clone(), surface.radius)
+    (surface.pieces.iter().collect(), surface.radius)
 }
 
 /// Points that the frusta sweep, as lines parallel to the axis: their only parameter is the height.

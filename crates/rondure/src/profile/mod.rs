@@ -38,6 +38,11 @@ pub struct Subpath {
 }
 
 impl Subpath {
+    /// A chain of segments that is one already.
+    pub(crate) fn of(segments: Vec<Segment>, closed: bool) -> Self {
+        Self { segments, closed }
+    }
+
     /// The segments in drawing order; never empty.
     #[inline]
     pub fn segments(&self) -> &[Segment] {
@@ -70,6 +75,11 @@ impl Subpath {
 }
 
 impl Profile {
+    /// Subpaths that have been checked already.
+    pub(crate) fn of(subpaths: Vec<Subpath>) -> Self {
+        Self { subpaths }
+    }
+
     /// Starts a profile in code.
     pub fn builder() -> ProfileBuilder {
         ProfileBuilder::default()

@@ -148,9 +148,8 @@ impl Solid {
     ///
     /// [`SolidError::Open`] if a subpath of its profile bounds no solid.
     pub fn from_surface(surface: Arc<Surface>, rule: FillRule) -> Result<Self, SolidError> {
-        let mut subpaths = surface.profile().subpaths().iter().enumerate();
-        if let Some((subpath, open)) = subpaths.find(|(_, s)| !s.bounds_solid()) {
-            return Err(SolidError::Open { subpath, ends: [open.start(), open.end()] });
+        if let Some((subpath, ends)) = surface.pieces.open_subpath() {
+            return Err(SolidError::Open { subpath, ends });
         }
         Ok(Self::bounded_by(surface, rule))
     }
@@ -243,7 +242,7 @@ impl Solid {
 
     /// 1 if the surface's normal points out of the solid at a wall, otherwise -1.
     pub(crate) fn outward(&self, wall: &Wall) -> f64 {
-        self.surface.curve_at(&wall.hit).1.sense() * f64::from(wall.outside)
+        self.surface.detail_at(&wall.hit).sense() * f64::from(wall.outside)
     }
 
     /// Whether a point lies inside the solid. Points within rounding of the surface, a few units in
@@ -275,17 +274,19 @@ impl Solid {
             return None;
         }
         let inside = |p: Point| self.rule.is_inside(self.outline.winding(pieces, p));
-        let skin =
-            self.skin.get_or_init(|| Skin::new(pieces, &self.outline, surface.radius, inside));
+        let skin = self.skin.get_or_init(|| {
+            Skin::new(&pieces.iter().collect::<Vec<_>>(), &self.outline, surface.radius, inside)
+        });
         let tree = skin.tree.as_ref()?;
         let q = Point::new(own.x.hypot(own.y), own.z);
         let Best { distance, piece, s } =
             nearest::nearest(pieces, |edge| skin.edges[edge], tree, q, surface.radius);
         let hit = Hit { t: 0.0, piece, s };
-        let (curve, at) = (&pieces[piece as usize], pieces[piece as usize].jet(s));
+        let at = pieces.jet(piece as usize, s);
         let (at, mut tangent) = (at.point, at.tangent);
         if tangent == Point::default() {
-            tangent = curve.end() - curve.start();
+            let [start, end] = pieces.ends(piece as usize);
+            tangent = end - start;
         }
         let speed = tangent.length();
         let right = Point::new(tangent.z / speed, -tangent.r / speed);

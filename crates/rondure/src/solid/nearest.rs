@@ -12,6 +12,7 @@ use super::outline::{DEEPEST, Outline};
 use super::stretch::Stretch;
 use crate::numeric::UNIT_ROUNDOFF;
 use crate::piece::Piece;
+use crate::pieces::Pieces;
 use crate::profile::Point;
 use crate::root::bracketed_root;
 
@@ -47,7 +48,7 @@ const MOST_HALVINGS: u32 = 54;
 
 /// The nearest point of all edges, `outline` being the tree over them; NaN coordinates have none.
 pub(super) fn nearest(
-    pieces: &[Piece],
+    pieces: &Pieces,
     edges: impl Fn(usize) -> Edge,
     outline: &Outline,
     q: Point,
@@ -68,7 +69,10 @@ pub(super) fn nearest(
         }
         let node = &outline.nodes[i as usize];
         if node.count == 1 {
-            on_edge(pieces, edges(node.first as usize), q, radius, &mut best);
+            let edge = edges(node.first as usize);
+            let mut room = None;
+            let piece = pieces.at(edge.piece as usize, &mut room);
+            on_edge(piece, edge, q, radius, &mut best);
             continue;
         }
         let [a, b] = [i + 1, node.second].map(|child| (child, distance(child)));
@@ -78,8 +82,7 @@ pub(super) fn nearest(
 }
 
 /// Improves the best point by those of one edge.
-pub(super) fn on_edge(pieces: &[Piece], edge: Edge, q: Point, radius: f64, best: &mut Best) {
-    let piece = &pieces[edge.piece as usize];
+pub(super) fn on_edge(piece: &Piece, edge: Edge, q: Point, radius: f64, best: &mut Best) {
     for s in edge.s {
         best.offer(piece, edge.piece, s, q);
     }

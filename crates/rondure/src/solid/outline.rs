@@ -13,6 +13,7 @@
 use arrayvec::ArrayVec;
 
 use crate::piece::{Kind, Piece};
+use crate::pieces::Pieces;
 use crate::profile::Point;
 use crate::root::bracketed_root;
 
@@ -49,7 +50,7 @@ impl Outline {
 
     /// How often the outline winds round a point, from r towards z. `pieces` must be those that the
     /// outline was built from.
-    pub(super) fn winding(&self, pieces: &[Piece], p: Point) -> i32 {
+    pub(super) fn winding(&self, pieces: &Pieces, p: Point) -> i32 {
         let mut winding = 0;
         let mut waiting = ArrayVec::<u32, DEEPEST>::new();
         waiting.push(0);
@@ -61,10 +62,12 @@ impl Outline {
             }
             let (first, last) = (node.first as usize, (node.first + node.count - 1) as usize);
             if node.joined && p.r < node.low.r {
-                winding += step(pieces[first].z[0], pieces[last].z[3], p.z);
+                winding += step(pieces.ends(first)[0].z, pieces.ends(last)[1].z, p.z);
             } else if node.count == 1 {
-                if is_right_of(&pieces[first], p) {
-                    winding += step(pieces[first].z[0], pieces[first].z[3], p.z);
+                let mut room = None;
+                let piece = pieces.at(first, &mut room);
+                if is_right_of(piece, p) {
+                    winding += step(piece.z[0], piece.z[3], p.z);
                 }
             } else {
                 waiting.extend([node.second, i + 1]);

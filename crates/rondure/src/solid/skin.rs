@@ -93,7 +93,7 @@ fn cuts(pieces: &[Piece], outline: &Outline, radius: f64) -> Vec<Vec<f64>> {
                 for end in [pieces[other].start(), pieces[other].end()] {
                     let mut best = Best::NONE;
                     on_edge(
-                        pieces,
+                        &pieces[own],
                         Edge { piece: own as u32, s: [0.0, 1.0] },
                         end,
                         radius,

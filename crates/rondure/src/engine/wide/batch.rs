@@ -12,7 +12,7 @@ use super::packet::{Packet, SIXTEEN};
 use crate::Ray;
 use crate::batch::{Gathered, Hits, Rays};
 use crate::frame::Frame;
-use crate::piece::Piece;
+use crate::pieces::Pieces;
 use crate::surface::Hit;
 
 /// As many rays are left over before they are answered.
@@ -63,7 +63,7 @@ impl Answers for All<'_> {
 /// What the rays are shot at.
 struct Target<'a> {
     wide: &'a Wide,
-    pieces: &'a [Piece],
+    pieces: &'a Pieces,
     frame: &'a Frame,
 }
 
@@ -118,7 +118,7 @@ impl Answers for [bool] {
 impl Wide {
     pub(crate) fn closest_of_many(
         &self,
-        pieces: &[Piece],
+        pieces: &Pieces,
         frame: &Frame,
         rays: &Rays<'_>,
         hits: &mut Hits,
@@ -130,7 +130,7 @@ impl Wide {
 
     pub(crate) fn any_of_many(
         &self,
-        pieces: &[Piece],
+        pieces: &Pieces,
         frame: &Frame,
         rays: &Rays<'_>,
         hits: &mut [bool],
@@ -146,7 +146,7 @@ impl Wide {
 impl Wide {
     pub(crate) fn all_of_many(
         &self,
-        pieces: &[Piece],
+        pieces: &Pieces,
         frame: &Frame,
         rays: &Rays<'_>,
         hits: &mut Gathered,

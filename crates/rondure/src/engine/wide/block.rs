@@ -70,8 +70,8 @@ impl Block {
         lambda: [[0.0; LANES]; 3],
         height: [0.0; LANES],
         // Q vanishes everywhere: the discriminant is never more, nor less, than nothing.
-        tangency_bend: Pairs::filled(-1.0, 0.0),
-        room_blur: Pairs::NOTHING,
+        tangency_bend: Pairs::filled(-1.0, 1.0),
+        room_blur: Pairs::filled(1.0, 1.0),
         guess: [[0.0; LANES]; 4],
         corner: [0.0; 2],
         poles: [0; 2],
@@ -105,7 +105,7 @@ impl Block {
         let all = [a, b, c, p, growth, q.lambda[0], q.lambda[1], q.lambda[2], q.slope, q.error];
         if !all.iter().all(|v| v.abs() < LARGEST) {
             // So short, or so curved, that f32 says nothing of it: it may always be hit.
-            self.tangency_bend.set(lane, UNKNOWN, 0.0);
+            self.tangency_bend.set(lane, UNKNOWN, 1.0);
             self.height[lane] = UNKNOWN;
             return;
         }
@@ -295,9 +295,7 @@ struct Pairs([u8; PAIRS]);
 const PAIRS: usize = 4 * LANES + 2;
 
 impl Pairs {
-    const NOTHING: Self = Self::filled(0.0, 0.0);
-
-    /// The same in all lanes; of negative numbers only such as have no second half.
+    /// The same in all lanes; of negative numbers such as may be lowered. None should be so small that processors take long over it.
     const fn filled(first: f32, second: f32) -> Self {
         let ([_, _, a, b], [_, _, c, d]) = (second.to_le_bytes(), first.to_le_bytes());
         let mut pairs = [0; PAIRS];
@@ -366,7 +364,7 @@ mod tests {
     #[test]
     fn pairs_are_bounds() {
         let bounds = [0.0, f32::MIN_POSITIVE, 1.0, 1.0 / 3.0, 1.999_999, 7.3e-11, 0.01, UNKNOWN];
-        let mut pairs = Pairs::filled(-1.0, 0.0);
+        let mut pairs = Pairs::filled(-1.0, 1.0);
         for turn in 0..LANES {
             let second = |lane: usize| bounds[(lane + turn) % LANES];
             for (lane, first) in bounds.iter().enumerate() {
@@ -384,7 +382,7 @@ mod tests {
                 }
             }
         }
-        let [first, second] = Pairs::filled(-1.0, 0.0).of(3);
-        assert!(first == -1.0 && (0.0..f32::MIN_POSITIVE).contains(&second), "{first} {second}");
+        let [first, second] = Pairs::filled(-1.0, 1.0).of(3);
+        assert!((1.0..1.01).contains(&-first) && (1.0..1.01).contains(&second));
     }
 }

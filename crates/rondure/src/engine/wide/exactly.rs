@@ -7,7 +7,7 @@ use super::search::Question;
 use crate::Ray;
 use crate::frame::LocalRay;
 use crate::meridian::Meridian;
-use crate::piece::Piece;
+use crate::pieces::Pieces;
 use crate::root;
 use crate::surface::Hit;
 
@@ -31,8 +31,8 @@ impl<'a> Query<'a> {
         Some(Self { ray, local, meridian: Meridian::new(local.origin, local.direction) })
     }
 
-    fn hits(&self, pieces: &[Piece], piece: u32, mut report: impl FnMut(Hit)) {
-        root::hits(&pieces[piece as usize], &self.meridian, |s, local_t| {
+    fn hits(&self, pieces: &Pieces, piece: u32, mut report: impl FnMut(Hit)) {
+        root::hits(pieces.at(piece as usize, &mut None), &self.meridian, |s, local_t| {
             let t = self.local.world_t(local_t);
             if self.ray.t_min <= t && t <= self.ray.t_max {
                 report(Hit { t, piece, s });

@@ -48,6 +48,7 @@ use crate::Ray;
 use crate::frame::{Frame, LocalRay};
 use crate::numeric::{UNIT_ROUNDOFF, gamma, reciprocal_power_of_two};
 use crate::piece::Piece;
+use crate::pieces::Pieces;
 use crate::surface::Hit;
 
 /// The pieces of a profile, ready to be tested eight leaves at a time.
@@ -97,7 +98,7 @@ impl Wide {
     }
 
     #[inline]
-    pub(crate) fn closest(&self, pieces: &[Piece], frame: &Frame, ray: &Ray) -> Option<Hit> {
+    pub(crate) fn closest(&self, pieces: &Pieces, frame: &Frame, ray: &Ray) -> Option<Hit> {
         let question = Question { pieces, frame, ray };
         if frame.inverse().is_some() {
             return self.closest_placed(&question);
@@ -130,7 +131,7 @@ impl Wide {
     }
 
     #[inline]
-    pub(crate) fn any(&self, pieces: &[Piece], frame: &Frame, ray: &Ray) -> bool {
+    pub(crate) fn any(&self, pieces: &Pieces, frame: &Frame, ray: &Ray) -> bool {
         let question = Question { pieces, frame, ray };
         if frame.inverse().is_some() {
             return self.any_placed(&question);
@@ -141,7 +142,7 @@ impl Wide {
         self.any_unplaced(&question)
     }
 
-    pub(crate) fn all(&self, pieces: &[Piece], frame: &Frame, ray: &Ray, hits: &mut Vec<Hit>) {
+    pub(crate) fn all(&self, pieces: &Pieces, frame: &Frame, ray: &Ray, hits: &mut Vec<Hit>) {
         hits.clear();
         let question = Question { pieces, frame, ray };
         dispatch!(self.level, simd => self.all_with(simd, &question, hits));

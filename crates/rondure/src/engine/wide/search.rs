@@ -16,13 +16,13 @@ use crate::Ray;
 use crate::engine::counters::Count;
 use crate::frame::Frame;
 use crate::numeric::{UNIT_ROUNDOFF, gamma};
-use crate::piece::Piece;
+use crate::pieces::Pieces;
 use crate::surface::Hit;
 
 /// What a query is about.
 #[derive(Clone, Copy)]
 pub(super) struct Question<'a> {
-    pub(super) pieces: &'a [Piece],
+    pub(super) pieces: &'a Pieces,
     pub(super) frame: &'a Frame,
     pub(super) ray: &'a Ray,
 }
