@@ -51,6 +51,7 @@ pub(crate) struct Batch {
     pub(crate) contacts: Vec<Option<Contact>>,
     columns: RayColumns,
     hits: Hits,
+    flat: Vec<Option<(u32, f64)>>,
     best: Vec<Option<(u32, Hit)>>,
 }
 
@@ -456,18 +457,17 @@ impl World {
 
     /// What [`closest`](Self::closest) finds for each of some rays that are alike, apart by rounding, which depends on all of them.
     pub(crate) fn closest_of_many(&self, rays: &[Ray], batch: &mut Batch) {
-        let Batch { contacts, .. } = batch;
+        let Batch { contacts, columns, hits, flat, best } = batch;
         contacts.clear();
         let Some(few) = &self.few else {
             contacts.extend(rays.iter().map(|ray| self.closest(ray)));
             return;
         };
-        let Batch { columns, hits, best, .. } = batch;
         best.clear();
         columns.clear();
-        columns.extend(rays);
-        for (i, ray) in rays.iter().enumerate() {
-            let flat = few.flats().closest(ray);
+        columns.extend_from_slice(rays);
+        few.flats().closest_of_many(&columns.rays(), flat);
+        for ((i, ray), flat) in rays.iter().enumerate().zip(flat) {
             let mut nearest = flat.map(|(thing, t)| (thing, Hit { t, piece: 0, s: 0.0 }));
             for &thing in few.simple() {
                 nearest = nearer(nearest, thing, self.things.closest(thing, ray));
@@ -484,9 +484,10 @@ impl World {
                 }
             }
         }
-        for (i, nearest) in best.iter().enumerate() {
-            contacts.push(self.or_body(*nearest, columns.rays().get(i)));
-        }
+        let shortened =
+            |(i, ray): (usize, &Ray)| Ray { t_max: columns.rays().ranges()[1][i], ..*ray };
+        let met = best.iter().zip(rays.iter().enumerate().map(shortened));
+        contacts.extend(met.map(|(nearest, shortened)| self.or_body(*nearest, shortened)));
     }
 
     /// Whether anything at all stands in the ray's range, lamps and clear glass among them.

@@ -35,6 +35,24 @@ impl<'a> Rays<'a> {
         self.len() == 0
     }
 
+    /// The coordinates x, y and z of their origins.
+    #[inline]
+    pub fn origins(&self) -> [&'a [f64]; 3] {
+        self.origin
+    }
+
+    /// The coordinates of their directions.
+    #[inline]
+    pub fn directions(&self) -> [&'a [f64]; 3] {
+        self.direction
+    }
+
+    /// The ends t_min and t_max of their ranges.
+    #[inline]
+    pub fn ranges(&self) -> [&'a [f64]; 2] {
+        self.range
+    }
+
     /// One of them.
     ///
     /// # Panics
@@ -78,6 +96,21 @@ impl RayColumns {
         }
     }
 
+    /// Appends rays, column by column.
+    pub fn extend_from_slice(&mut self, rays: &[Ray]) {
+        let [ox, oy, oz] = &mut self.origin;
+        let [dx, dy, dz] = &mut self.direction;
+        let [t_min, t_max] = &mut self.range;
+        ox.extend(rays.iter().map(|ray| ray.origin.x));
+        oy.extend(rays.iter().map(|ray| ray.origin.y));
+        oz.extend(rays.iter().map(|ray| ray.origin.z));
+        dx.extend(rays.iter().map(|ray| ray.direction.x));
+        dy.extend(rays.iter().map(|ray| ray.direction.y));
+        dz.extend(rays.iter().map(|ray| ray.direction.z));
+        t_min.extend(rays.iter().map(|ray| ray.t_min));
+        t_max.extend(rays.iter().map(|ray| ray.t_max));
+    }
+
     /// Gives a ray another end t_max.
     ///
     /// # Panics
@@ -88,26 +121,10 @@ impl RayColumns {
     }
 }
 
-impl<'a> Extend<&'a Ray> for RayColumns {
-    fn extend<I: IntoIterator<Item = &'a Ray>>(&mut self, rays: I) {
-        for ray in rays {
-            for (column, value) in
-                [(&mut self.origin, ray.origin), (&mut self.direction, ray.direction)]
-            {
-                column[0].push(value.x);
-                column[1].push(value.y);
-                column[2].push(value.z);
-            }
-            self.range[0].push(ray.t_min);
-            self.range[1].push(ray.t_max);
-        }
-    }
-}
-
 impl<'a> FromIterator<&'a Ray> for RayColumns {
     fn from_iter<I: IntoIterator<Item = &'a Ray>>(rays: I) -> Self {
         let mut columns = Self::default();
-        columns.extend(rays);
+        rays.into_iter().for_each(|ray| columns.extend_from_slice(core::slice::from_ref(ray)));
         columns
     }
 }
@@ -237,7 +254,7 @@ mod tests {
         columns.set_end(3, 0.5);
         assert_eq!(columns.rays().get(3), rays[3].with_range(3.0, 0.5));
         columns.clear();
-        columns.extend(&rays[1..2]);
+        columns.extend_from_slice(&rays[1..2]);
         assert_eq!((columns.rays().len(), columns.rays().get(0)), (1, rays[1]));
     }
 

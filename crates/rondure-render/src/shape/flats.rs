@@ -4,12 +4,14 @@
 //! last bit. A plane is a rectangle whose dual vectors are zero: everything is within it. The instruction set is chosen at run
 //! time.
 
-use fearless_simd::{Level, Simd, dispatch, f64x4, prelude::*};
-use rondure::{Ray, Vec3};
+use fearless_simd::{Level, Simd, dispatch, f64x4, f64x8, prelude::*};
+use rondure::{Ray, Rays, Vec3};
 
 use super::Shape;
 
 const LANES: usize = 4;
+/// As many rays are looked at together.
+const EIGHT: usize = 8;
 type Lanes = [f64; LANES];
 
 /// Flat shapes, by the numbers of the things that they are.
@@ -68,6 +70,14 @@ impl Flats {
         (t < f64::INFINITY).then(|| (self.things[lane], t))
     }
 
+    /// What [`closest`](Self::closest) says of each of many rays, to the last bit.
+    pub(crate) fn closest_of_many(&self, rays: &Rays<'_>, found: &mut Vec<Option<(u32, f64)>>) {
+        found.clear();
+        let whole = if self.fours.is_empty() { 0 } else { rays.len() / EIGHT * EIGHT };
+        dispatch!(self.level, simd => closest_of_eights(simd, self, rays, whole, found));
+        found.extend((whole..rays.len()).map(|i| self.closest(&rays.get(i))));
+    }
+
     /// Whether the ray meets any in its range.
     #[inline]
     pub(crate) fn any(&self, ray: &Ray) -> bool {
@@ -88,6 +98,75 @@ fn closest<S: Simd>(simd: S, fours: &[Four], ray: &Ray) -> (usize, f64) {
         }
     }
     (nearest, end)
+}
+
+/// The nearest hits of the first `whole` rays, eight rays and one shape at a time.
+#[inline(always)]
+fn closest_of_eights<S: Simd>(
+    simd: S,
+    flats: &Flats,
+    rays: &Rays<'_>,
+    whole: usize,
+    found: &mut Vec<Option<(u32, f64)>>,
+) {
+    let ([ox, oy, oz], [dx, dy, dz]) = (rays.origins(), rays.directions());
+    let [t_min, t_max] = rays.ranges();
+    for start in (0..whole).step_by(EIGHT) {
+        let origin = [eight(simd, ox, start), eight(simd, oy, start), eight(simd, oz, start)];
+        let direction = [eight(simd, dx, start), eight(simd, dy, start), eight(simd, dz, start)];
+        let range = [eight(simd, t_min, start), eight(simd, t_max, start)];
+        let mut end = f64x8::splat(simd, f64::INFINITY);
+        let mut nearest = [0; EIGHT];
+        for (number, thing) in flats.things.iter().enumerate() {
+            let (four, lane) = (&flats.fours[number / LANES], number % LANES);
+            let [point, normal] =
+                [eights(simd, &four.point, lane), eights(simd, &four.normal, lane)];
+            let [du, dv] = [eights(simd, &four.dual[0], lane), eights(simd, &four.dual[1], lane)];
+            let from = [point[0] - origin[0], point[1] - origin[1], point[2] - origin[2]];
+            let t = dot8(normal, from) / dot8(normal, direction);
+            let local = [
+                origin[0] - point[0] + direction[0] * t,
+                origin[1] - point[1] + direction[1] * t,
+                origin[2] - point[2] + direction[2] * t,
+            ];
+            let half = f64x8::splat(simd, 0.5);
+            let hit = t.simd_ge(range[0])
+                & t.simd_le(range[1])
+                & t.simd_lt(end)
+                & dot8(du, local).abs().simd_le(half)
+                & dot8(dv, local).abs().simd_le(half);
+            end = hit.select(t, end);
+            let hits = hit.to_bitmask();
+            for (i, nearest) in nearest.iter_mut().enumerate() {
+                *nearest = if hits >> i & 1 == 1 { *thing } else { *nearest };
+            }
+        }
+        let mut times = [0.0; EIGHT];
+        end.store_slice(&mut times);
+        for (thing, t) in nearest.into_iter().zip(times) {
+            found.push((t < f64::INFINITY).then_some((thing, t)));
+        }
+    }
+}
+
+#[inline(always)]
+fn eight<S: Simd>(simd: S, column: &[f64], start: usize) -> f64x8<S> {
+    f64x8::from_slice(simd, &column[start..start + EIGHT])
+}
+
+/// A vector of one of four shapes, for eight rays.
+#[inline(always)]
+fn eights<S: Simd>(simd: S, rows: &[Lanes; 3], lane: usize) -> [f64x8<S>; 3] {
+    [
+        f64x8::splat(simd, rows[0][lane]),
+        f64x8::splat(simd, rows[1][lane]),
+        f64x8::splat(simd, rows[2][lane]),
+    ]
+}
+
+#[inline(always)]
+fn dot8<S: Simd>(a: [f64x8<S>; 3], b: [f64x8<S>; 3]) -> f64x8<S> {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[inline(always)]
@@ -147,6 +226,8 @@ fn dot<S: Simd>(a: [f64x4<S>; 3], b: [f64x4<S>; 3]) -> f64x4<S> {
 
 #[cfg(test)]
 mod tests {
+    use rondure::RayColumns;
+
     use super::*;
     use crate::{
         sampler::{Key, Sample},
@@ -171,7 +252,8 @@ mod tests {
         let (flats, others) = Flats::of((10..).zip(&shapes));
         assert_eq!((flats.fours.len(), others), (2, vec![14]));
         let mut met = 0;
-        for i in 0..2000 {
+        let (mut rays, mut answers) = (Vec::new(), Vec::new());
+        for i in 0..2005 {
             let sample = Sample::new(2, i, 0, 0);
             let end = if i % 3 == 0 { 1.0 } else { f64::INFINITY };
             let ray = Ray::new(direction(&sample, Key::LENS), direction(&sample, Key::ROOT))
@@ -187,8 +269,13 @@ mod tests {
             met += u32::from(expected.is_some());
             assert_eq!(flats.closest(&ray), expected);
             assert_eq!(flats.any(&ray), expected.is_some());
+            rays.push(ray);
+            answers.push(expected);
         }
         assert!(met > 500, "{met}");
+        let mut found = vec![None; 3];
+        flats.closest_of_many(&RayColumns::from_iter(&rays).rays(), &mut found);
+        assert_eq!(found, answers);
     }
 
     #[test]
