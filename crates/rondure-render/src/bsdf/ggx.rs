@@ -72,13 +72,19 @@ impl Ggx {
     /// A microfacet normal, in proportion to how much of it `wo` sees.
     #[inline]
     pub(crate) fn visible_normal(self, wo: Vec3, u: (f64, f64)) -> Vec3 {
+        self.visible(wo, u).normalized()
+    }
+
+    /// The same, of another length.
+    #[inline]
+    fn visible(self, wo: Vec3, u: (f64, f64)) -> Vec3 {
         let a = self.alpha;
         let stretched = Vec3::new(wo.x * a, wo.y * a, wo.z).normalized();
         let z = (1.0 - u.1) * (1.0 + stretched.z) - stretched.z;
         let radius = (1.0 - z * z).max(0.0).sqrt();
         let (sin, cos) = warp::sin_cos_turn(u.0);
         let half = Vec3::new(radius * cos, radius * sin, z) + stretched;
-        Vec3::new(half.x * a, half.y * a, half.z.max(0.0)).normalized()
+        Vec3::new(half.x * a, half.y * a, half.z.max(0.0))
     }
 
     /// The density, by solid angle, with which [`sample`](Self::sample) finds `wi`.
@@ -91,10 +97,10 @@ impl Ggx {
     /// A direction of reflection, and the cosine with the half vector. `None` if the direction leads into the surface.
     #[inline]
     pub(crate) fn direction(self, wo: Vec3, u: (f64, f64)) -> Option<(Vec3, f64)> {
-        let half = self.visible_normal(wo, u);
-        let cos = half.dot(wo);
-        let wi = half * (2.0 * cos) - wo;
-        (wi.z > 0.0).then_some((wi, cos.clamp(0.0, 1.0)))
+        let half = self.visible(wo, u);
+        let (along, length2) = (half.dot(wo), half.length_squared());
+        let wi = half * (2.0 * along / length2) - wo;
+        (wi.z > 0.0).then(|| (wi, (along / length2.sqrt()).clamp(0.0, 1.0)))
     }
 
     /// The same, and what is left of the light before the Fresnel factor: G2 / G1.
