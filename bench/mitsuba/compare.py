@@ -33,7 +33,7 @@ def main():
     options.add_argument("--spp", type=int, default=256, help="samples of each of the pictures that are compared")
     options.add_argument("--variants", nargs="+", default=["llvm_ad_rgb", "scalar_rgb"])
     options.add_argument("--rounds", type=int, default=5, help="rounds of the race; 0: no race")
-    options.add_argument("--race-spp", type=int, default=16)
+    options.add_argument("--race-spp", type=int, default=64, help="samples in the race: enough that starting counts for little")
     options.add_argument("--pictures", type=Path, help="a folder for the pictures side by side")
     args = options.parse_args()
     args.work.mkdir(parents=True, exist_ok=True)

@@ -184,9 +184,21 @@ impl Lamp {
         }
     }
 
+    /// Whether places on it are points of a disk.
+    #[inline]
+    pub(crate) fn is_disk(&self) -> bool {
+        matches!(self, Self::Disk { .. })
+    }
+
     /// Light from a place chosen by `u`; `None` if none comes from there.
     #[inline]
     pub(crate) fn sample(&self, at: Vec3, u: (f64, f64)) -> Option<Incoming> {
+        self.sample_at(at, if self.is_disk() { warp::disk(u) } else { u })
+    }
+
+    /// The same, but `u` is a point of the unit disk where places on the light [are](Self::is_disk).
+    #[inline]
+    pub(crate) fn sample_at(&self, at: Vec3, u: (f64, f64)) -> Option<Incoming> {
         match *self {
             Self::Point { position, intensity } => {
                 let to_light = position - at;
@@ -207,8 +219,7 @@ impl Lamp {
                 Some(Incoming { direction, distance: f64::INFINITY, light, pdf: f64::INFINITY })
             }
             Self::Disk { center, ref frame, radius, radiance } => {
-                let (x, y) = warp::disk(u);
-                let target = center + frame.across(x * radius, y * radius);
+                let target = center + frame.across(u.0 * radius, u.1 * radius);
                 let to_light = target - at;
                 // The cosine at the lamp times the distance.
                 let facing = -frame.normal().dot(to_light);

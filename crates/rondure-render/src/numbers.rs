@@ -3,7 +3,10 @@
 
 use fearless_simd::{Level, Simd, dispatch};
 
-use crate::sampler::{GROUP, Key, Sample, to_unit};
+use crate::{
+    sampler::{GROUP, Key, Sample, to_unit},
+    warp,
+};
 
 /// How many keys have a slot, a power of two: more than most paths ask for.
 const SLOTS: usize = 128;
@@ -34,6 +37,9 @@ struct Slot {
     /// Whether the numbers are made.
     is_ready: bool,
     bits: [[u32; GROUP]; 2],
+    /// Whether the pairs are there as points of the unit disk, too.
+    is_disk: bool,
+    disk: [[f64; GROUP]; 2],
 }
 
 const EMPTY: Slot = Slot {
@@ -43,6 +49,8 @@ const EMPTY: Slot = Slot {
     is_listed: false,
     is_ready: false,
     bits: [[0; GROUP]; 2],
+    is_disk: false,
+    disk: [[0.0; GROUP]; 2],
 };
 
 impl Slot {
@@ -92,7 +100,7 @@ impl Numbers {
     #[inline(always)]
     fn bits(&mut self, key: Key, child: u32) -> [u32; 2] {
         let tag = u64::from(key.0) << 32 | u64::from(child);
-        let at = key.0.wrapping_add(child) as usize % SLOTS;
+        let at = place_of(key, child);
         let slot = &mut self.slots[at];
         if slot.tag != tag || !slot.is_ready {
             return self.find(at, tag, key.child(child));
@@ -127,11 +135,32 @@ impl Numbers {
         (to_unit(x), to_unit(y))
     }
 
+    /// The [`pair`](Self::pair) as a point of the unit disk; see [`warp::disk`].
+    #[inline]
+    pub(crate) fn disk(&mut self, key: Key, child: u32) -> (f64, f64) {
+        let [x, y] = self.bits(key, child);
+        let slot = &mut self.slots[place_of(key, child)];
+        if !slot.is_ready {
+            return warp::disk((to_unit(x), to_unit(y)));
+        }
+        if !slot.is_disk {
+            dispatch!(self.level, simd => make_disk(simd, slot));
+        }
+        let [x, y] = &slot.disk;
+        (x[self.place % GROUP], y[self.place % GROUP])
+    }
+
     /// [`Sample::single`] for the child of a key.
     #[inline]
     pub(crate) fn single(&mut self, key: Key, child: u32) -> f64 {
         to_unit(self.bits(key, child)[0])
     }
+}
+
+/// The slot of a child of a key.
+#[inline(always)]
+fn place_of(key: Key, child: u32) -> usize {
+    key.0.wrapping_add(child) as usize % SLOTS
 }
 
 /// The pairs of a key for the group that begins with a sample.
@@ -150,7 +179,18 @@ fn make<S: Simd>(_: S, first: &Sample, slots: &mut [Slot; SLOTS], which: &[u32])
     for &at in which {
         let slot = &mut slots[at as usize % SLOTS];
         slot.bits = first.group(slot.key);
+        slot.is_disk = false;
     }
+}
+
+/// All points of the disk at once.
+#[inline(always)]
+fn make_disk<S: Simd>(_: S, slot: &mut Slot) {
+    let ([u, v], [x, y]) = (&slot.bits, &mut slot.disk);
+    for i in 0..GROUP {
+        (x[i], y[i]) = warp::disk((to_unit(u[i]), to_unit(v[i])));
+    }
+    slot.is_disk = true;
 }
 
 #[cfg(test)]
@@ -176,6 +216,7 @@ mod tests {
             let (key, child) = (Key::ROOT.child(i % 23).child(i % 3), i * i % 19);
             assert_eq!(numbers.pair(key, child), sample.pair(key.child(child)));
             assert_eq!(numbers.single(key, child), sample.single(key.child(child)));
+            assert_eq!(numbers.disk(key, child), warp::disk(sample.pair(key.child(child))));
         }
     }
 }

@@ -43,22 +43,20 @@ impl Frame {
 
 /// A point of the unit disk, areas kept in proportion (Shirley and Chiu 1997, "A Low Distortion Map
 /// Between Disk and Square").
-#[inline]
+#[inline(always)]
 pub(crate) fn disk((u, v): (f64, f64)) -> (f64, f64) {
     let (a, b) = (2.0 * u - 1.0, 2.0 * v - 1.0);
-    if a == 0.0 && b == 0.0 {
-        return (0.0, 0.0);
-    }
     // Choices between numbers, no branches: half of them would be guessed wrong.
     let steep = a.abs() <= b.abs();
     let (radius, other) = if steep { (b, a) } else { (a, b) };
-    let (sin, cos) = sin_cos_small(FRAC_PI_4 * (other / radius));
+    let part = if radius == 0.0 { 0.0 } else { other / radius };
+    let (sin, cos) = sin_cos_small(FRAC_PI_4 * part);
     let (along, across) = (radius * cos, radius * sin);
     if steep { (across, along) } else { (along, across) }
 }
 
 /// Sine and cosine of `u` turns, `u` from 0 to 1.
-#[inline]
+#[inline(always)]
 pub(crate) fn sin_cos_turn(u: f64) -> (f64, f64) {
     let quarters = (4.0 * u + 0.5) as u32;
     let (sin, cos) = sin_cos_small(TAU * (u - 0.25 * f64::from(quarters)));
@@ -109,7 +107,12 @@ fn series(c: &[f64; 8], x2: f64) -> f64 {
 /// A direction of the upper hemisphere with density cos / pi.
 #[inline]
 pub(crate) fn cosine_hemisphere(u: (f64, f64)) -> Vec3 {
-    let (x, y) = disk(u);
+    above_disk(disk(u))
+}
+
+/// The same from a point of the unit disk, which it lies above.
+#[inline]
+pub(crate) fn above_disk((x, y): (f64, f64)) -> Vec3 {
     Vec3::new(x, y, (1.0 - x * x - y * y).max(0.0).sqrt())
 }
 

@@ -372,14 +372,20 @@ impl Facing<'_> {
         self.shares.map(|shares| shares.rest + shares.fuzz)
     }
 
+    /// A direction above a point of the unit disk, of a surface that scatters [evenly](Self::even_color).
+    #[inline]
+    pub(crate) fn sample_even(&self, disk: (f64, f64)) -> Option<Scatter> {
+        let (direction, weight) = (warp::above_disk(disk), self.color);
+        let pdf = direction.z * core::f64::consts::FRAC_1_PI;
+        let good = pdf > 0.0 && !weight.is_black();
+        good.then_some(Scatter { direction, weight, pdf, kind: Kind::Wide })
+    }
+
     /// A direction, chosen about in proportion to the light that it sends.
     pub(crate) fn sample(&self, choice: f64, u: (f64, f64)) -> Option<Scatter> {
         let &Self { all, wo, color, .. } = self;
         if all.is_even {
-            let direction = warp::cosine_hemisphere(u);
-            let pdf = direction.z * core::f64::consts::FRAC_1_PI;
-            let good = pdf > 0.0 && !color.is_black();
-            return good.then_some(Scatter { direction, weight: color, pdf, kind: Kind::Wide });
+            return self.sample_even(warp::disk(u));
         }
         let shares = self.shares?;
         let Layers { coat, coat_color, gloss, .. } = &all.layers;

@@ -381,8 +381,8 @@ impl<'a> Tracer<'a> {
         };
         if all {
             for (i, lamp) in (0..).zip(&world.lamps) {
-                let u = self.numbers.pair(walk.key, LAMPS + i);
-                if let Some(incoming) = lamp.sample(at, u) {
+                let u = self.place_on(lamp, walk.key, LAMPS + i);
+                if let Some(incoming) = lamp.sample_at(at, u) {
                     let narrow = left(self, i, &incoming);
                     sum += self.arriving(vertex, &incoming, narrow);
                 }
@@ -390,8 +390,8 @@ impl<'a> Tracer<'a> {
         } else {
             let choice = || self.numbers.single(walk.key, LAMP);
             if let Some((lamp, share)) = world.choose_lamp(at, choice) {
-                let u = self.numbers.pair(walk.key, LAMPS);
-                if let Some(incoming) = world.lamps[lamp].sample(at, u) {
+                let u = self.place_on(&world.lamps[lamp], walk.key, LAMPS);
+                if let Some(incoming) = world.lamps[lamp].sample_at(at, u) {
                     let narrow = left(self, lamp as u32, &incoming);
                     let (light, pdf) = (incoming.light / share, incoming.pdf * share);
                     let incoming = Incoming { light, pdf, ..incoming };
@@ -407,6 +407,12 @@ impl<'a> Tracer<'a> {
             sum += self.arriving(vertex, &incoming, 1.0);
         }
         sum
+    }
+
+    /// The numbers that choose a place on a lamp.
+    #[inline]
+    fn place_on(&mut self, lamp: &Lamp, key: Key, child: u32) -> (f64, f64) {
+        if lamp.is_disk() { self.numbers.disk(key, child) } else { self.numbers.pair(key, child) }
     }
 
     /// What one sample of a light adds; of what narrow lobes send, the share `narrow`.

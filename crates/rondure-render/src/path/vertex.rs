@@ -50,6 +50,12 @@ impl<'a> Draw<'a> {
         self.lobes[0] + self.lobes[1] * self.numbers.single(self.key, LOBE)
     }
 
+    /// [`direction`](Self::direction), as a point of the unit disk.
+    #[inline]
+    fn disk(&mut self) -> (f64, f64) {
+        self.numbers.disk(self.key, DIRECTION)
+    }
+
     #[inline]
     fn direction(&mut self) -> (f64, f64) {
         self.numbers.pair(self.key, DIRECTION)
@@ -233,8 +239,12 @@ impl<'a> Vertex<'a> {
         let (Scatter { direction, weight, pdf, kind }, through) = match &self.model {
             Model::Opaque { frame, facing, .. } => {
                 // A single lobe needs no number.
-                let lobe = if facing.even_color().is_some() { 0.0 } else { draw.lobe() };
-                in_frame(frame, facing.sample(lobe, draw.direction())?)
+                let scatter = if facing.even_color().is_some() {
+                    facing.sample_even(draw.disk())
+                } else {
+                    facing.sample(draw.lobe(), draw.direction())
+                };
+                in_frame(frame, scatter?)
             }
             Model::Clear(smooth) => {
                 let (direction, through) = smooth.sample(self.normal, self.outgoing, draw.lobe());
