@@ -64,7 +64,7 @@ fn is_same(instance: &Instance, ray: &Ray, found: &Hit, expected: &Hit) -> bool 
 
 /// A surface that stands where it was built, or in the world.
 enum Target {
-    Unplaced(Surface),
+    Unplaced(Box<Surface>),
     Placed(Instance),
 }
 
@@ -90,7 +90,7 @@ fn check(profile: &Profile, options: &EngineOptions, count: usize) -> Result<usi
     let surface = Surface::with_engine(profile, options);
     let rays = rays(&surface, count);
     let alone = place(&Arc::new(surface.clone()), Affine::IDENTITY)?;
-    Ok(compare(&Target::Unplaced(surface), &alone, &rays))
+    Ok(compare(&Target::Unplaced(Box::new(surface)), &alone, &rays))
 }
 
 fn place(surface: &Arc<Surface>, placement: Affine) -> Result<Instance, String> {
