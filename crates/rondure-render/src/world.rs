@@ -3,11 +3,15 @@
 //! Two trees, if there are more than a few things: one over what blocks light, one over what lets it pass, clear glass and lamps. Bodies,
 //! which may be of several materials, have a third.
 
+mod batch;
+
 use std::collections::HashMap;
 
-use rondure::{Bounds, Bvh, Footing, Hit, Hits, Instance, Interaction, Ray, RayColumns, Vec3};
+use rondure::{Bounds, Bvh, Footing, Hit, Instance, Interaction, Ray, Vec3};
+
 use rondure_scene::{Integrator, Light, Scene, Shape as Described};
 
+pub(crate) use self::batch::Batch;
 use crate::{
     RenderError,
     bodies::{Bodies, Place},
@@ -42,17 +46,6 @@ pub(crate) struct Contact {
     pub(crate) thing: u32,
     pub(crate) t: f64,
     on: On,
-}
-
-/// Where rays that are asked about together meet the world, with room to work it out.
-#[derive(Debug, Default)]
-pub(crate) struct Batch {
-    /// One for each ray.
-    pub(crate) contacts: Vec<Option<Contact>>,
-    columns: RayColumns,
-    hits: Hits,
-    flat: Vec<Option<(u32, f64)>>,
-    best: Vec<Option<(u32, Hit)>>,
 }
 
 /// What a contact is on.
@@ -455,41 +448,6 @@ impl World {
         }
     }
 
-    /// What [`closest`](Self::closest) finds for each of some rays that are alike, apart by rounding, which depends on all of them.
-    pub(crate) fn closest_of_many(&self, rays: &[Ray], batch: &mut Batch) {
-        let Batch { contacts, columns, hits, flat, best } = batch;
-        contacts.clear();
-        let Some(few) = &self.few else {
-            contacts.extend(rays.iter().map(|ray| self.closest(ray)));
-            return;
-        };
-        best.clear();
-        columns.clear();
-        columns.extend_from_slice(rays);
-        few.flats().closest_of_many(&columns.rays(), flat);
-        for ((i, ray), flat) in rays.iter().enumerate().zip(flat) {
-            let mut nearest = flat.map(|(thing, t)| (thing, Hit { t, piece: 0, s: 0.0 }));
-            for &thing in few.simple() {
-                nearest = nearer(nearest, thing, self.things.closest(thing, ray));
-            }
-            columns.set_end(i, nearest.map_or(ray.t_max, |(_, hit)| hit.t));
-            best.push(nearest);
-        }
-        for thing in few.turned() {
-            self.things.turned.closest_of_many(thing, &columns.rays(), hits);
-            for (i, nearest) in best.iter_mut().enumerate() {
-                if let Some(hit) = hits.get(i) {
-                    *nearest = nearer(*nearest, thing, Some(hit));
-                    columns.set_end(i, hit.t);
-                }
-            }
-        }
-        let shortened =
-            |(i, ray): (usize, &Ray)| Ray { t_max: columns.rays().ranges()[1][i], ..*ray };
-        let met = best.iter().zip(rays.iter().enumerate().map(shortened));
-        contacts.extend(met.map(|(nearest, shortened)| self.or_body(*nearest, shortened)));
-    }
-
     /// Whether anything at all stands in the ray's range, lamps and clear glass among them.
     #[inline]
     pub(crate) fn is_occluded(&self, ray: &Ray) -> bool {
@@ -590,16 +548,6 @@ impl World {
             depth = depth.map(|v| v.max(0.0)) + more;
         }
         depth.map(|v| (-v.max(0.0)).exp()) * passed
-    }
-}
-
-/// The nearer of two hits; at the same place that on the thing of the smaller number.
-#[inline]
-fn nearer(best: Option<(u32, Hit)>, thing: u32, hit: Option<Hit>) -> Option<(u32, Hit)> {
-    match (best, hit) {
-        (Some((other, at)), Some(hit)) if hit.t > at.t || (hit.t == at.t && thing > other) => best,
-        (_, Some(hit)) => Some((thing, hit)),
-        (_, None) => best,
     }
 }
 

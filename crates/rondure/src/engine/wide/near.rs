@@ -8,6 +8,7 @@ use super::course::{Course, FAR, FLAT, LONGEST, NEAR, SHORTEST, VANISHING};
 use crate::Vec3;
 use crate::batch::Rays;
 use crate::frame::Frame;
+use crate::numeric::UNIT_ROUNDOFF;
 
 /// How many rays are looked at together.
 pub(super) const WIDTH: usize = 8;
@@ -15,8 +16,9 @@ pub(super) const WIDTH: usize = 8;
 /// More than a ray goes on, from where it is closest to the surface or near it, to any point of that, times what turning its direction
 /// may cancel at the most: NEAR has three coordinates, and the radius is no more than 2.
 const TURN: f64 = 2.0 * (NEAR + 2.0) * FLAT;
-/// Room round a ball for the rounding of squared lengths.
-const ROOM: f64 = 1.0 + 1e-6;
+/// Room round a ball for rounding: products of squared lengths, and the square of a dot product, which is no larger, are good to fewer than 64
+/// roundings of themselves together, and from no farther than FAR radii they are no more than FAR^2 times the ball's.
+const ROOM: f64 = 1.0 + 64.0 * UNIT_ROUNDOFF * FAR * FAR;
 
 /// Eight rays in the surface's own size, from where they begin; see [`Course`](super::course::Course).
 #[derive(Clone, Copy)]
@@ -152,7 +154,7 @@ fn pass_ball<S: Simd>(simd: S, frame: &Frame, rays: &Rays<'_>, start: usize) -> 
     let from = [at[0] - center[0], at[1] - center[1], at[2] - center[2]];
     let (distance2, length2, along) = (dot(from, from), dot(way, way), dot(from, way));
     let radius2 = frame.radius2();
-    // From no farther away the squares are good to 1e-8 of the ball's.
+    // From no farther away there is room for rounding.
     let near = distance2.simd_le(splat(simd, FAR * FAR * radius2));
     let outside = distance2 - splat(simd, ROOM * radius2);
     (near & (along * along).simd_lt(outside * length2)).all_true()
