@@ -176,6 +176,24 @@ pub(super) fn enter<S: Simd, V: SimdFloat<S, Element = f32>>(
     (enter, mask)
 }
 
+/// As [`Boxes::test_unordered`].
+#[inline(always)]
+fn test_each<S: Simd, const N: usize>(
+    simd: S,
+    eights: [&Eight; N],
+    ray: &Slabs<f32x8<S>>,
+    end: f32x8<S>,
+    enters: &mut [f32; WIDTH],
+) -> u32 {
+    let mut set = 0;
+    for i in 0..N {
+        let (near, mask) = enter(simd, &eights[i].walls(simd), ray, end);
+        near.store_slice(&mut enters[i * EIGHT..][..EIGHT]);
+        set |= (mask.to_bitmask() as u32) << (i * EIGHT);
+    }
+    set
+}
+
 /// A bundle of rays: the points of each are no farther than `across`, seen along the axis, and `along` it from the point
 /// of one of them, `ray`, at the same parameter.
 #[derive(Clone, Copy, Debug)]
@@ -226,6 +244,26 @@ impl Boxes {
             keys = keys.min(order::keys(simd, near, mask, i));
         }
         (set, order::number(keys))
+    }
+
+    /// The same without the number of the first one, which takes no loop then where there are few.
+    #[inline(always)]
+    pub(super) fn test_unordered<S: Simd>(
+        &self,
+        simd: S,
+        index: usize,
+        ray: &Slabs,
+        end: f32,
+        enter: &mut [f32; WIDTH],
+    ) -> u32 {
+        let (ray, end) = (ray.splat(simd), f32x8::splat(simd, end));
+        match self.together(index) {
+            [] => 0,
+            [a] => test_each(simd, [a], &ray, end, enter),
+            [a, b] => test_each(simd, [a, b], &ray, end, enter),
+            [a, b, c] => test_each(simd, [a, b, c], &ray, end, enter),
+            [a, b, c, d, ..] => test_each(simd, [a, b, c, d], &ray, end, enter),
+        }
     }
 
     /// The same for a bundle of rays: where the ray in its middle would enter the boxes as they grow by its width.

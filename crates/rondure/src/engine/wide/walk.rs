@@ -119,11 +119,11 @@ impl Vector {
     ) -> Self {
         let mut vector = Self { start: index * BELOW, ..Self::NONE };
         let boxes = &wide.levels[level];
-        let (waiting, first) = boxes.test(simd, index, slabs, beyond(end), &mut vector.enter);
-        vector.waiting = waiting;
-        if NEAREST {
-            vector.first = first;
-        }
+        (vector.waiting, vector.first) = if NEAREST {
+            boxes.test(simd, index, slabs, beyond(end), &mut vector.enter)
+        } else {
+            (boxes.test_unordered(simd, index, slabs, beyond(end), &mut vector.enter), 0)
+        };
         vector
     }
 
