@@ -3,13 +3,15 @@
 //!
 //! The scene is a cubic lattice of vases of a hundred shapes, each turned, scaled and moved a little
 //! at random. Camera rays come from a pinhole outside in scanline order, random rays run from
-//! the sphere round the box to a point in the box. One thread, the best of the rounds.
+//! the sphere round the box to a point in the box. Batches take camera rays, sixteen of a row together. One thread, the best of the rounds.
 
 mod rays;
 
 use std::{env, error::Error, sync::Arc, time::Instant};
 
-use rondure::{Affine, Assembly, Bounds, Instances, Profile, Ray, Surface, Vec3};
+use rondure::{
+    Affine, Assembly, Bounds, Contacts, Instances, Profile, Ray, RayColumns, Surface, Vec3,
+};
 
 use self::rays::{Random, pinhole, random_rays};
 
@@ -20,9 +22,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let most = env::args().nth(1).map_or(Ok(10_000_000), |text| text.parse())?;
     println!(
         "| instances | build, s | bytes each | camera, ns a ray | random, ns a ray | \
-         camera, any | random, any | camera hits | random hits |"
+         camera, any | random, any | camera, batch | camera, any, batch | camera hits | random hits |"
     );
-    println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- |");
+    println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
     let mut count = 1;
     while count <= most {
         let start = Instant::now();
@@ -31,16 +33,29 @@ fn main() -> Result<(), Box<dyn Error>> {
         let bounds = assembly.bounds();
         let sets = [camera_rays(&bounds), random_rays(&bounds, 1 << 18)];
         let [camera, random] = [&sets[0], &sets[1]].map(|rays| {
-            let closest = best(rays, |ray| assembly.closest(ray).is_some());
-            (closest, best(rays, |ray| assembly.any(ray)).0)
+            let count = |hit: &dyn Fn(&Ray) -> bool| rays.iter().filter(|ray| hit(ray)).count();
+            let closest = best(rays, || count(&|ray| assembly.closest(ray).is_some()));
+            (closest, best(rays, || count(&|ray| assembly.any(ray))).0)
+        });
+        let columns = RayColumns::from_iter(&sets[0]);
+        let (mut contacts, mut hits) = (Contacts::default(), vec![false; sets[0].len()]);
+        let batch = best(&sets[0], || {
+            assembly.closest_of_many(&columns.rays(), &mut contacts);
+            contacts.hits.t.iter().filter(|t| t.is_finite()).count()
+        });
+        let any_batch = best(&sets[0], || {
+            assembly.any_of_many(&columns.rays(), &mut hits);
+            hits.iter().filter(|hit| **hit).count()
         });
         println!(
-            "| {count} | {seconds:.2} | {:.0} | {:.0} | {:.0} | {:.0} | {:.0} | {:.0} % | {:.0} % |",
+            "| {count} | {seconds:.2} | {:.0} | {:.0} | {:.0} | {:.0} | {:.0} | {:.0} | {:.0} | {:.0} % | {:.0} % |",
             assembly.bytes() as f64 / count as f64,
             camera.0.0,
             random.0.0,
             camera.1,
             random.1,
+            batch.0,
+            any_batch.0,
             camera.0.1,
             random.0.1,
         );
@@ -50,10 +65,10 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 /// Nanoseconds a ray in the best round, and how many in a hundred hit.
-fn best(rays: &[Ray], hit: impl Fn(&Ray) -> bool) -> (f64, f64) {
+fn best(rays: &[Ray], mut count: impl FnMut() -> usize) -> (f64, f64) {
     let rounds = (0..ROUNDS).map(|_| {
         let start = Instant::now();
-        let hits = rays.iter().filter(|ray| hit(ray)).count();
+        let hits = count();
         let rays = rays.len() as f64;
         (start.elapsed().as_secs_f64() * 1e9 / rays, 100.0 * hits as f64 / rays)
     });

@@ -3,7 +3,7 @@
 use fearless_simd::dispatch;
 
 use crate::bvh::{Bvh, TooManyItems};
-use crate::{Bounds, Hit, Instances, Interaction, Ray};
+use crate::{Bounds, Hit, Hits, Instances, Interaction, Ray, Rays};
 
 /// Surfaces in many places behind a tree of boxes: what a ray costs grows with the logarithm of their
 /// number.
@@ -39,6 +39,35 @@ pub struct Contact {
     pub instance: u32,
     /// Where.
     pub hit: Hit,
+}
+
+/// How many rays go together.
+const PACKET: usize = 16;
+
+/// Where many rays meet an assembly.
+#[derive(Clone, Debug, Default)]
+pub struct Contacts {
+    /// Which instances were hit; of no meaning for rays that hit nothing.
+    pub instance: Vec<u32>,
+    /// Where.
+    pub hits: Hits,
+}
+
+impl Contacts {
+    /// Where one ray meets it, if it does.
+    ///
+    /// # Panics
+    ///
+    /// If there are no more than `index`.
+    pub fn get(&self, index: usize) -> Option<Contact> {
+        let hit = self.hits.get(index)?;
+        Some(Contact { instance: self.instance[index], hit })
+    }
+}
+
+/// The greatest of the ends of rays.
+fn latest(ends: &[f64]) -> f64 {
+    ends.iter().fold(f64::NEG_INFINITY, |latest, end| if *end > latest { *end } else { latest })
 }
 
 impl Contact {
@@ -83,14 +112,71 @@ impl Assembly {
         dispatch!(self.tree.level(), simd => self.closest_with(simd, ray))
     }
 
-    /// The closest hit of each of many rays: `hits[i]` for `rays[i]`. What is longer of the two slices
-    /// is left alone.
-    pub fn closest_many(&self, rays: &[Ray], hits: &mut [Option<Contact>]) {
-        dispatch!(self.tree.level(), simd => {
-            for (ray, hit) in rays.iter().zip(hits) {
-                *hit = self.closest_with(simd, ray);
+    /// The hits that [`closest`](Self::closest) finds for each of many rays, apart by rounding. Those of sixteen that follow each other go
+    /// together if they are alike, as from a camera through a square of pixels.
+    pub fn closest_of_many(&self, rays: &Rays<'_>, contacts: &mut Contacts) {
+        let Contacts { instance, hits } = contacts;
+        hits.clear(rays.len());
+        instance.resize(rays.len(), 0);
+        let mut own = Hits::default();
+        for start in (0..rays.len()).step_by(PACKET) {
+            let some = rays.slice(start..rays.len().min(start + PACKET));
+            let mut ends = [0.0; PACKET];
+            let ends = &mut ends[..some.len()];
+            ends.copy_from_slice(some.ranges()[1]);
+            let alike = self.tree.walk_together(&some, |item| {
+                self.instances.closest_of_many(item, &some.with_ends(ends), &mut own);
+                for (i, end) in ends.iter_mut().enumerate() {
+                    let Some(hit) = own.get(i) else { continue };
+                    let contact = Contact { instance: item, hit };
+                    let best = hits.get(start + i);
+                    let best = best.map(|hit| Contact { instance: instance[start + i], hit });
+                    if best.is_none_or(|best| contact.order(&best).is_lt()) {
+                        hits.set(start + i, Some(hit));
+                        instance[start + i] = item;
+                        *end = hit.t;
+                    }
+                }
+                latest(ends)
+            });
+            if alike {
+                continue;
             }
-        });
+            dispatch!(self.tree.level(), simd => for i in 0..some.len() {
+                if let Some(contact) = self.closest_with(simd, &some.get(i)) {
+                    hits.set(start + i, Some(contact.hit));
+                    instance[start + i] = contact.instance;
+                }
+            });
+        }
+    }
+
+    /// Whether each of many rays has any hit: `hits[i]` for the i-th. What is longer of the two is left alone.
+    pub fn any_of_many(&self, rays: &Rays<'_>, hits: &mut [bool]) {
+        let count = rays.len().min(hits.len());
+        for start in (0..count).step_by(PACKET) {
+            let some = rays.slice(start..count.min(start + PACKET));
+            let hits = &mut hits[start..start + some.len()];
+            hits.fill(false);
+            let (mut ends, mut own) = ([0.0; PACKET], [false; PACKET]);
+            let (ends, own) = (&mut ends[..some.len()], &mut own[..some.len()]);
+            ends.copy_from_slice(some.ranges()[1]);
+            let alike = self.tree.walk_together(&some, |item| {
+                self.instances.any_of_many(item, &some.with_ends(ends), own);
+                for ((end, hit), own) in ends.iter_mut().zip(&mut *hits).zip(&*own) {
+                    if *own {
+                        // It needs no other.
+                        (*hit, *end) = (true, f64::NEG_INFINITY);
+                    }
+                }
+                latest(ends)
+            });
+            if !alike {
+                for (i, hit) in hits.iter_mut().enumerate() {
+                    *hit = self.any(&some.get(i));
+                }
+            }
+        }
     }
 
     #[inline(always)]

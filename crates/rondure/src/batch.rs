@@ -53,6 +53,38 @@ impl<'a> Rays<'a> {
         self.range
     }
 
+    /// Some of them.
+    ///
+    /// # Panics
+    ///
+    /// If there are not as many.
+    #[inline]
+    pub fn slice(&self, range: core::ops::Range<usize>) -> Self {
+        let [ox, oy, oz] = self.origin;
+        let [dx, dy, dz] = self.direction;
+        let [t_min, t_max] = self.range;
+        let of = |column: &'a [f64]| &column[range.clone()];
+        Self {
+            origin: [of(ox), of(oy), of(oz)],
+            direction: [of(dx), of(dy), of(dz)],
+            range: [of(t_min), of(t_max)],
+        }
+    }
+
+    /// The same rays with other ends t_max.
+    ///
+    /// # Panics
+    ///
+    /// If there are not as many ends as rays.
+    #[inline]
+    pub fn with_ends<'b>(&self, t_max: &'b [f64]) -> Rays<'b>
+    where
+        'a: 'b,
+    {
+        assert_eq!(t_max.len(), self.len(), "as many ends as rays");
+        Rays { range: [self.range[0], t_max], ..*self }
+    }
+
     /// One of them.
     ///
     /// # Panics

@@ -48,7 +48,7 @@ mod vector;
 
 pub use affine::Affine;
 pub use area::{AreaSampler, SurfaceSample};
-pub use assembly::{Assembly, Contact};
+pub use assembly::{Assembly, Contact, Contacts};
 pub use batch::{AllHits, Hits, RayColumns, Rays};
 pub use bounds::Bounds;
 pub use bvh::Bvh;

@@ -5,7 +5,8 @@
 use std::sync::Arc;
 
 use rondure::{
-    Affine, Assembly, Contact, Instance, Instances, PlaceErrorKind, Profile, Ray, Surface, Vec3,
+    Affine, Assembly, Contact, Contacts, Instance, Instances, PlaceErrorKind, Profile, Ray,
+    RayColumns, Surface, Vec3,
 };
 
 const PATHS: [&str; 4] = [
@@ -97,9 +98,6 @@ impl Scene {
             assert!(off <= 2.0 * at.error, "{ray:?}: {closest:?}, {first:?}, off by {off}, {at:?}");
         }
         assert_eq!(self.assembly.any(ray), closest.is_some(), "{ray:?}");
-        let mut many = [None];
-        self.assembly.closest_many(&[*ray], &mut many);
-        assert_eq!(many, [closest], "{ray:?}");
         if let Some(contact) = closest {
             let alone = &self.alone[contact.instance as usize];
             let full = self.assembly.interaction(ray, &contact);
@@ -112,6 +110,70 @@ impl Scene {
         }
         expected.len()
     }
+
+    /// Compares what many rays meet together with what each of them meets alone; returns how many meet anything.
+    fn check_together(&self, rays: &[Ray]) -> usize {
+        let columns = RayColumns::from_iter(rays);
+        let (mut contacts, mut hits) = (Contacts::default(), vec![true; rays.len()]);
+        self.assembly.closest_of_many(&columns.rays(), &mut contacts);
+        self.assembly.any_of_many(&columns.rays(), &mut hits);
+        for (i, ray) in rays.iter().enumerate() {
+            let (own, alone) = (contacts.get(i), self.assembly.closest(ray));
+            assert_eq!(own.is_some(), alone.is_some(), "{ray:?}: {own:?} {alone:?}");
+            assert_eq!(hits[i], alone.is_some(), "{ray:?}");
+            let (Some(own), Some(alone)) = (own, alone) else { continue };
+            let at = |met: &Contact| self.assembly.interaction(ray, met).error;
+            let off = (own.hit.t - alone.hit.t).abs() * ray.direction.length();
+            assert!(off <= 2.0 * (at(&own) + at(&alone)), "{ray:?}: {own:?} {alone:?}");
+            let same = (own.instance, own.hit.piece) == (alone.instance, alone.hit.piece);
+            assert!(same, "{ray:?}: {own:?} {alone:?}");
+        }
+        hits.into_iter().filter(|hit| *hit).count()
+    }
+}
+
+#[test]
+fn many_rays_meet_what_each_of_them_meets() {
+    let mut random = Random(9);
+    let mut hits = 0;
+    for (count, range, spread, center) in [
+        (1, 1.0, 0.0, Vec3::ZERO),
+        (300, 3.0, 9.0, Vec3::ZERO),
+        (100, 1e3, 50.0, Vec3::ZERO),
+        (60, 3.0, 5.0, Vec3::new(1e6, -3e5, 2e6)),
+        (60, 1e-3, 1e-9, Vec3::ZERO),
+    ] {
+        let scene = Scene::new(&mut random, count, range, spread, center);
+        let bounds = scene.assembly.bounds();
+        let (middle, extent) = (bounds.center(), bounds.extent());
+        let size = extent.max_abs();
+        for i in 0..1000_usize {
+            let v = random.vector() * 0.5;
+            let target = middle + Vec3::new(v.x * extent.x, v.y * extent.y, v.z * extent.z);
+            let distance = [0.0, 0.2, 1.0, 3.0, 1e4][i % 5];
+            let direction = random.vector();
+            if direction.max_abs() < 1e-3 {
+                continue;
+            }
+            let origin = target - direction.normalized() * (distance * size);
+            // From all but one place, side by side, or neither; closely, or so widely that they do not go together.
+            let (apart, turned) = [(0.0, 0.02), (0.01, 0.0), (1e-3, 1e-3), (0.3, 0.5)][i % 4];
+            let rays: Vec<_> = (0..40)
+                .map(|k| {
+                    let from = origin + random.vector() * (apart * size);
+                    let ray = Ray::new(from, direction + random.vector() * turned);
+                    match k % 10 {
+                        7 => ray.with_range(-0.1 * size, 0.5 * size),
+                        8 => ray.with_range(0.4 * size, 1e4 * size),
+                        9 => ray.with_range(f64::NAN, 1.0),
+                        _ => ray,
+                    }
+                })
+                .collect();
+            hits += scene.check_together(&rays);
+        }
+    }
+    assert!(hits > 20_000, "{hits}");
 }
 
 #[test]
@@ -174,6 +236,9 @@ fn equal_hits_belong_to_the_first_instance() {
     assembly.all(&ray, &mut hits);
     assert_eq!(hits.len(), 200);
     assert!(hits[..100].iter().zip(0..).all(|(c, i)| c.instance == i));
+    let mut contacts = Contacts::default();
+    assembly.closest_of_many(&RayColumns::from_iter(&[ray; 20]).rays(), &mut contacts);
+    assert!((0..20).all(|i| contacts.get(i).map(|c| c.instance) == Some(0)));
 }
 
 #[test]
@@ -182,6 +247,12 @@ fn nothing_placed_is_nothing_hit() {
     let ray = Ray::new(Vec3::ZERO, Vec3::X);
     assert_eq!(nothing.closest(&ray), None);
     assert!(!nothing.any(&ray));
+    let (columns, mut contacts) = (RayColumns::from_iter(&[ray; 20]), Contacts::default());
+    nothing.closest_of_many(&columns.rays(), &mut contacts);
+    assert!((0..20).all(|i| contacts.get(i).is_none()));
+    let mut hits = [true; 20];
+    nothing.any_of_many(&columns.rays(), &mut hits);
+    assert_eq!(hits, [false; 20]);
 }
 
 #[test]

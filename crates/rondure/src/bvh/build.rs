@@ -39,6 +39,11 @@ impl Item {
         self.0.min[3].to_bits()
     }
 
+    /// How wide its box is along the longest axis.
+    pub(super) fn width(&self) -> f32 {
+        self.0.width()
+    }
+
     /// Twice the middle of the box.
     #[inline(always)]
     fn middle(&self) -> [f32; 4] {

@@ -2,9 +2,11 @@
 //!
 //! Nodes have eight children whose boxes lie side by side in f32, for one SIMD instruction each; the
 //! tree takes some 50 bytes an item. `space` says why no f64 hit is lost by that, `build` how
-//! the tree is made, `crowd` what is left out of it, `node` and `walk` how a ray goes through it.
+//! the tree is made, `crowd` what is left out of it, `node` and `walk` how a ray goes through it, `bundle` how many do that
+//! are alike.
 
 mod build;
+mod bundle;
 mod crowd;
 mod node;
 mod space;
@@ -13,10 +15,11 @@ mod walk;
 use fearless_simd::{Level, Simd, dispatch};
 
 use self::build::Item;
+use self::bundle::Together;
 use self::crowd::Crowd;
-use self::node::Node;
-use self::space::Space;
-use crate::{Bounds, Ray};
+use self::node::{Node, Probe};
+use self::space::{LocalRay, Space};
+use crate::{Bounds, Ray, Rays};
 
 /// A bounding volume hierarchy over items numbered from 0.
 ///
@@ -26,6 +29,8 @@ use crate::{Bounds, Ray};
 pub struct Bvh {
     nodes: Vec<Node>,
     space: Space,
+    /// How wide the items in the tree are along their longest axis, on average, in its coordinates.
+    width: f64,
     /// Items without a finite box, and those that stand aside: every ray meets them.
     aside: Vec<u32>,
     bounds: Bounds,
@@ -81,8 +86,10 @@ impl Bvh {
             items.extend(part);
             aside.extend(others);
         }
+        let width = items.iter().map(|item| f64::from(item.width())).sum::<f64>();
+        let width = width / items.len().max(1) as f64;
         let nodes = build::build(&mut items);
-        Ok(Self { nodes, space, aside, bounds: all, level: Level::new() })
+        Ok(Self { nodes, space, width, aside, bounds: all, level: Level::new() })
     }
 
     /// What of the machine's SIMD is used.
@@ -130,7 +137,49 @@ impl Bvh {
             }
         }
         let Some(local) = self.space.enter(&Ray { t_max: end, ..*ray }) else { return };
-        walk::walk(simd, &self.nodes, &local, |item| {
+        self.walk_on(simd, &Probe::new(simd, &local), &local, (end, local.end), visit);
+    }
+
+    /// As [`walk`](Self::walk), for many rays at once that are alike, such as those from a camera through neighbouring pixels:
+    /// visits the items whose boxes at least one of them may meet. `visit` returns up to which t the search goes on for any of them.
+    ///
+    /// Returns false, and visits none, if the rays are not alike enough for that: if they are farther apart anywhere near the items
+    /// than a part of what these are wide, on average. One that is no ray is as good as alike.
+    pub fn walk_together(&self, rays: &Rays<'_>, mut visit: impl FnMut(u32) -> f64) -> bool {
+        if self.is_empty() || rays.is_empty() {
+            return true;
+        }
+        let together = Together::new(&self.space, self.width, rays);
+        if matches!(together, Together::Apart) {
+            return false;
+        }
+        let mut end = f64::INFINITY;
+        for &item in &self.aside {
+            end = end.min(visit(item));
+            if end == f64::NEG_INFINITY {
+                return true;
+            }
+        }
+        if let Together::Bundle(bundle) = together {
+            dispatch!(self.level, simd => {
+                let probe = Probe::padded(simd, &bundle.ray, bundle.pad);
+                self.walk_on(simd, &probe, &bundle.ray, (end, bundle.ray.end_at(end)), visit);
+            });
+        }
+        true
+    }
+
+    /// The way of a ray through the nodes, up to `end`, which it also has as its own parameter.
+    #[inline(always)]
+    fn walk_on<S: Simd>(
+        &self,
+        simd: S,
+        probe: &Probe<S>,
+        local: &LocalRay,
+        (mut end, local_end): (f64, f32),
+        mut visit: impl FnMut(u32) -> f64,
+    ) {
+        walk::walk(simd, &self.nodes, probe, local_end, |item| {
             let nearer = visit(item);
             (nearer < end).then(|| {
                 end = nearer;

@@ -56,7 +56,8 @@ impl Node {
 /// A ray made ready for the nodes.
 pub(super) struct Probe<S: fearless_simd::Simd> {
     reciprocal: [Lanes<S>; 3],
-    shifted: [Lanes<S>; 3],
+    /// o / d for the planes that the ray meets first, and for the others.
+    shifted: [[Lanes<S>; 3]; 2],
     /// Which of a node's planes the ray meets first on each axis.
     first: [usize; 3],
 }
@@ -64,28 +65,44 @@ pub(super) struct Probe<S: fearless_simd::Simd> {
 impl<S: fearless_simd::Simd> Probe<S> {
     #[inline(always)]
     pub(super) fn new(simd: S, ray: &LocalRay) -> Self {
-        let splat = |x: f32| Lanes::splat(simd, x);
-        let (r, s) = (ray.reciprocal, ray.shifted);
+        let shifted = splat3(simd, ray.shifted);
+        Self::with(simd, ray, [shifted, shifted])
+    }
+
+    /// The same for boxes that are larger by `pad` on both sides of each axis.
+    #[inline(always)]
+    pub(super) fn padded(simd: S, ray: &LocalRay, pad: [f32; 3]) -> Self {
+        let (s, r) = (ray.shifted, ray.reciprocal);
+        let by = [pad[0] * r[0].abs(), pad[1] * r[1].abs(), pad[2] * r[2].abs()];
+        let early = splat3(simd, [s[0] + by[0], s[1] + by[1], s[2] + by[2]]);
+        let late = splat3(simd, [s[0] - by[0], s[1] - by[1], s[2] - by[2]]);
+        Self::with(simd, ray, [early, late])
+    }
+
+    #[inline(always)]
+    fn with(simd: S, ray: &LocalRay, shifted: [[Lanes<S>; 3]; 2]) -> Self {
         let [a, b, c] = ray.falling;
-        Self {
-            // Not by `map`, which is not always inlined.
-            reciprocal: [splat(r[0]), splat(r[1]), splat(r[2])],
-            shifted: [splat(s[0]), splat(s[1]), splat(s[2])],
-            first: [usize::from(a), 2 + usize::from(b), 4 + usize::from(c)],
-        }
+        let first = [usize::from(a), 2 + usize::from(b), 4 + usize::from(c)];
+        Self { reciprocal: splat3(simd, ray.reciprocal), shifted, first }
     }
 
     /// Which boxes the ray meets up to the parameter `end`, as a mask, and where it enters them.
     #[inline(always)]
     pub(super) fn meet(&self, simd: S, node: &Node, end: f32) -> (u32, [f32; WIDTH]) {
-        let plane = |axis: usize, index: usize| {
+        let plane = |side: usize, axis: usize, index: usize| {
             let plane = Lanes::simd_from(simd, node.planes[index]);
-            plane.mul_sub(self.reciprocal[axis], self.shifted[axis])
+            plane.mul_sub(self.reciprocal[axis], self.shifted[side][axis])
         };
         let [x, y, z] = self.first;
-        let enter = plane(0, x).max(plane(1, y)).max(plane(2, z).max(Lanes::splat(simd, 0.0)));
-        let leave =
-            plane(0, x ^ 1).min(plane(1, y ^ 1)).min(plane(2, z ^ 1).min(Lanes::splat(simd, end)));
+        let (least, most) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, end));
+        let enter = plane(0, 0, x).max(plane(0, 1, y)).max(plane(0, 2, z).max(least));
+        let leave = plane(1, 0, x ^ 1).min(plane(1, 1, y ^ 1)).min(plane(1, 2, z ^ 1).min(most));
         (enter.simd_le(leave).to_bitmask() as u32, enter.into())
     }
+}
+
+// Not by `map`, which is not always inlined.
+#[inline(always)]
+fn splat3<S: fearless_simd::Simd>(simd: S, v: [f32; 3]) -> [Lanes<S>; 3] {
+    [Lanes::splat(simd, v[0]), Lanes::splat(simd, v[1]), Lanes::splat(simd, v[2])]
 }

@@ -51,6 +51,12 @@ impl Slabs {
         }
     }
 
+    /// How wide the box is along its longest axis.
+    pub(super) fn width(&self) -> f32 {
+        let along = |i: usize| self.max[i] - self.min[i];
+        along(0).max(along(1)).max(along(2))
+    }
+
     /// Half the area of the box's faces; not positive for the empty box.
     #[inline]
     pub(super) fn half_area(&self) -> f32 {
@@ -65,8 +71,15 @@ pub(super) struct Space {
     center: Vec3,
     /// A power of two.
     scale: f64,
-    /// The squared radius of the sphere round all boxes, in the tree's coordinates.
-    radius2: f64,
+    /// The radius of the sphere round all boxes, in the tree's coordinates.
+    radius: f64,
+}
+
+/// A direction, made between 1 and 2 long along its longest axis.
+pub(super) struct Direction {
+    pub(super) own: Vec3,
+    /// The power of two by which that was done.
+    pub(super) unit: f64,
 }
 
 /// A ray in the tree's coordinates: its parameter runs from 0 to `end`.
@@ -100,7 +113,7 @@ impl Space {
         let size = half.max(center.max_abs() * PAD * PAD).max(f64::MIN_POSITIVE);
         let scale = 0.5 * reciprocal_power_of_two(size);
         let corner = (all.max * 0.5 - all.min * 0.5) * scale + Vec3::splat(2.0 * PAD);
-        Self { center, scale, radius2: corner.length_squared() }
+        Self { center, scale, radius: corner.length() * (1.0 + gamma(8)) }
     }
 
     /// The padded box.
@@ -114,16 +127,41 @@ impl Space {
         }
     }
 
-    /// The ray in this space; `None` if it passes all boxes at a distance, runs away from them, or is
-    /// no ray. See [`crate::frame`], which does the same for a surface.
+    /// The radius of the sphere round all boxes.
+    pub(super) fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// A difference of places.
+    pub(super) fn scaled(&self, difference: Vec3) -> Vec3 {
+        difference * self.scale
+    }
+
+    /// Where a ray begins, and its direction; `None` if it is no ray.
     #[inline(always)]
-    pub(super) fn enter(&self, ray: &Ray) -> Option<LocalRay> {
+    pub(super) fn measured(&self, ray: &Ray) -> Option<(Vec3, Direction)> {
         let largest = ray.direction.max_abs();
         if !(ray.direction.is_finite() && ray.origin.is_finite() && largest > 0.0) {
             return None;
         }
         let unit = reciprocal_power_of_two(largest);
-        let direction = ray.direction * unit;
+        let direction = Direction { own: ray.direction * unit, unit };
+        Some((self.scaled(ray.origin - self.center), direction))
+    }
+
+    /// The ray in this space; `None` if it passes all boxes at a distance, runs away from them, or is
+    /// no ray. See [`crate::frame`], which does the same for a surface.
+    #[inline(always)]
+    pub(super) fn enter(&self, ray: &Ray) -> Option<LocalRay> {
+        self.enter_within(ray, 0.0)
+    }
+
+    /// The same with boxes that reach so much farther, which must be less than 1/8.
+    #[inline(always)]
+    pub(super) fn enter_within(&self, ray: &Ray, farther: f64) -> Option<LocalRay> {
+        let (_, Direction { own: direction, unit }) = self.measured(ray)?;
+        let radius = self.radius + farther;
+        let radius2 = radius * radius;
         // The largest coordinate is at least 1, so is this; all that it is for bears its rounding.
         let inverse2 = 1.0 / direction.length_squared();
         let along = |t: f64, from: Vec3| {
@@ -140,16 +178,16 @@ impl Space {
         let mut shift = -from.dot(direction) * inverse2;
         let mut nearest = along(shift, from) + Vec3::new(x_low, y_low, z_low) * self.scale;
         let rest = -nearest.dot(direction) * inverse2;
-        if rest * rest > self.radius2 * inverse2 {
+        if rest * rest > radius2 * inverse2 {
             shift += rest;
             nearest = along(rest, nearest);
         }
         let distance2 = nearest.length_squared();
-        if distance2 > self.radius2 || distance2.is_nan() {
+        if distance2 > radius2 || distance2.is_nan() {
             return None;
         }
         // The move went to the nearest point only up to rounding; this much farther is enough.
-        let reach = (self.radius2 * inverse2).sqrt() * (1.0 + PAD);
+        let reach = (radius2 * inverse2).sqrt() * (1.0 + PAD);
         let local = LocalRay {
             reciprocal: [0.0; 3],
             shifted: [0.0; 3],

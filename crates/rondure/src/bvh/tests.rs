@@ -3,7 +3,7 @@ use core::ops::Range;
 use proptest::prelude::*;
 
 use super::*;
-use crate::Vec3;
+use crate::{RayColumns, Vec3};
 
 fn tree(boxes: &[Bounds]) -> Bvh {
     Bvh::new(boxes.len(), |i| boxes[i as usize]).unwrap()
@@ -77,6 +77,54 @@ proptest! {
             prop_assert!(met(&tree, &ray).contains(&(item as u32)), "{item} {ray:?}");
             let near = ray.with_range(distance - 1e-3, distance + 1e-3);
             prop_assert!(met(&tree, &near).contains(&(item as u32)), "{item} {near:?}");
+        }
+    }
+
+    /// A box through a point of which one of many rays runs that are alike is visited for all of them.
+    #[test]
+    fn no_box_is_lost_to_rays_together(
+        items in prop::collection::vec((vector(-9.0..9.0), vector(0.0..2.0), place_in_box()), 1..200),
+        directions in prop::collection::vec(vector(-1.0..1.0), 10),
+        jitters in prop::collection::vec((vector(-1.0..1.0), vector(-1.0..1.0)), 15),
+        spread in prop::sample::select(vec![0.0, 1e-9, 1e-4, 3e-3, 1e-2]),
+        scale in prop::sample::select(vec![1e-90, 1.0, 1e9]),
+        distance in prop::sample::select(vec![0.0, 1.0, 30.0, 1e3]),
+    ) {
+        let room = 1e-15 * (10.0 + distance);
+        let boxes: Vec<_> = items
+            .iter()
+            .map(|&(center, half, _)| around(center * scale, (half + Vec3::splat(room)) * scale))
+            .collect();
+        let tree = tree(&boxes);
+        for (i, direction) in directions.into_iter().enumerate() {
+            let item = i * 7 % items.len();
+            let (center, half, to) = items[item];
+            let point = center + Vec3::new(half.x * to.x, half.y * to.y, half.z * to.z);
+            if direction.max_abs() < 1e-3 {
+                continue;
+            }
+            let range = [distance - 1e-3, distance + 1e-3];
+            let through = Ray::new((point - direction * distance) * scale, direction * scale)
+                .with_range(range[0], range[1]);
+            let mut rays: Vec<_> = jitters
+                .iter()
+                .map(|&(o, d)| Ray {
+                    origin: through.origin + o * (spread * scale),
+                    direction: through.direction + d * (spread * scale / (10.0 + distance)),
+                    ..through
+                })
+                .collect();
+            rays.insert(i * 5 % 16, through);
+            let mut items = Vec::new();
+            let columns = RayColumns::from_iter(&rays);
+            let alike = tree.walk_together(&columns.rays(), |item| {
+                items.push(item);
+                range[1]
+            });
+            prop_assert!(!alike || items.contains(&(item as u32)), "{item} {through:?}");
+            let widths = boxes.iter().map(|b| b.extent().max_abs()).sum::<f64>();
+            let close = spread * scale * 100.0 < widths / boxes.len() as f64;
+            prop_assert!(alike || !close || direction.max_abs() < 0.1 || distance > 100.0);
         }
     }
 

@@ -5,7 +5,6 @@ use fearless_simd::Simd;
 
 use super::build::DEEPEST;
 use super::node::{ITEM, Node, Probe, WIDTH};
-use super::space::LocalRay;
 
 /// Every level of the tree leaves at most all children but one behind.
 const STACK: usize = DEEPEST * (WIDTH - 1) + 1;
@@ -19,17 +18,16 @@ fn waiting(enter: f32, child: u32) -> Waiting {
     u64::from(enter.to_bits()) << 32 | u64::from(child)
 }
 
-/// Visits the items whose boxes the ray meets, by and large in the order in which it enters them.
+/// Visits the items whose boxes the ray meets before `end`, by and large in the order in which it enters them.
 /// `visit` returns the ray's new end if it has become shorter; a negative one stops.
 #[inline(always)]
 pub(super) fn walk<S: Simd>(
     simd: S,
     nodes: &[Node],
-    ray: &LocalRay,
+    probe: &Probe<S>,
+    mut end: f32,
     mut visit: impl FnMut(u32) -> Option<f32>,
 ) {
-    let probe = Probe::new(simd, ray);
-    let mut end = ray.end;
     let mut stack = ArrayVec::<Waiting, STACK>::new();
     let mut current = 0_u32;
     loop {
