@@ -3,7 +3,8 @@
 //!
 //! The scene is a cubic lattice of vases of a hundred shapes, each turned, scaled and moved a little
 //! at random. Camera rays come from a pinhole outside in scanline order, random rays run from
-//! the sphere round the box to a point in the box. Batches take camera rays, sixteen of a row together. One thread, the best of the rounds.
+//! the sphere round the box to a point in the box. Batches take camera rays, those of squares of four by four
+//! pixels together. One thread, the best of the rounds.
 
 mod rays;
 
@@ -17,6 +18,8 @@ use self::rays::{Random, pinhole, random_rays};
 
 const SHAPES: u32 = 100;
 const ROUNDS: usize = 5;
+const WIDTH: u32 = 1024;
+const HEIGHT: u32 = 768;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let most = env::args().nth(1).map_or(Ok(10_000_000), |text| text.parse())?;
@@ -37,7 +40,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             let closest = best(rays, || count(&|ray| assembly.closest(ray).is_some()));
             (closest, best(rays, || count(&|ray| assembly.any(ray))).0)
         });
-        let columns = RayColumns::from_iter(&sets[0]);
+        let columns = RayColumns::from_iter(&tiles(&sets[0]));
         let (mut contacts, mut hits) = (Contacts::default(), vec![false; sets[0].len()]);
         let batch = best(&sets[0], || {
             assembly.closest_of_many(&columns.rays(), &mut contacts);
@@ -115,5 +118,12 @@ fn lattice(count: usize) -> Result<Assembly, Box<dyn Error>> {
 fn camera_rays(bounds: &Bounds) -> Vec<Ray> {
     let (center, radius) = (bounds.center(), 0.5 * bounds.extent().length());
     let eye = center + Vec3::new(2.0, -1.3, 1.1).normalized() * (2.2 * radius);
-    pinhole([eye, center], 20.0, [1024, 768])
+    pinhole([eye, center], 20.0, [WIDTH, HEIGHT])
+}
+
+/// The same rays, but those of squares of four by four pixels after each other.
+fn tiles(rays: &[Ray]) -> Vec<Ray> {
+    let at = |x: u32, y: u32| rays[(y * WIDTH + x) as usize];
+    let corners = (0..HEIGHT).step_by(4).flat_map(|y| (0..WIDTH).step_by(4).map(move |x| (x, y)));
+    corners.flat_map(|(x, y)| (0..16).map(move |i| at(x + i % 4, y + i / 4))).collect()
 }

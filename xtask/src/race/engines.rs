@@ -2,7 +2,7 @@
 
 use std::hint::black_box;
 
-use rondure::{Assembly, Hits, Surface};
+use rondure::{Assembly, Contacts, Hits, Surface};
 
 use super::contest::Contestant;
 use super::embree::Scene;
@@ -38,7 +38,19 @@ impl Contestant for Surface {
 impl Contestant for Assembly {
     fn answer(&self, set: &RaySet) -> Option<u64> {
         if set.batch {
-            return None;
+            let rays = set.columns.rays();
+            return Some(match set.query {
+                Query::Closest => {
+                    let mut contacts = Contacts::default();
+                    self.closest_of_many(&rays, &mut contacts);
+                    contacts.hits.t.iter().filter(|t| t.is_finite()).count() as u64
+                }
+                Query::Any => {
+                    let mut hits = vec![false; rays.len()];
+                    self.any_of_many(&rays, &mut hits);
+                    hits.iter().filter(|hit| **hit).count() as u64
+                }
+            });
         }
         let count = match set.query {
             Query::Closest => {

@@ -9,9 +9,10 @@ use rondure::{Affine, Assembly, Bounds, Instances, Profile, Surface, Vec3};
 
 use super::contest::{Contestant, Score, heat};
 use super::embree::{Device, Scene};
+use super::engines::OneByOne;
 use super::mesh::{Kind, Mesh};
 use super::rays::{self, Camera, RaySet};
-use super::shape::Built;
+use super::shape::{Built, faster};
 use super::{Options, tell};
 
 /// One engine on a field; scores by set.
@@ -82,10 +83,14 @@ fn race_field(
     let top = Built { bytes: own.bytes() as f64, seconds: start.elapsed().as_secs_f64() };
     let mut contestants: Vec<_> =
         fields.iter().map(|(.., scene)| scene as &dyn Contestant).collect();
+    let singly: Vec<_> = fields.iter().map(|(.., scene)| OneByOne(scene)).collect();
+    contestants.extend(singly.iter().map(|scene| scene as &dyn Contestant));
     contestants.push(&own);
     let mut scores = heat(&contestants, &sets, options.rounds());
     let own =
         FieldScore { engine: "Rondure".to_owned(), top, scores: scores.pop().unwrap_or_default() };
+    let singly = scores.split_off(fields.len());
+    let scores = iter::zip(scores, singly).map(|(a, b)| faster(a, b));
     let score = |((engine, top, _), scores): (&(String, Built, _), _)| FieldScore {
         engine: engine.clone(),
         top: *top,

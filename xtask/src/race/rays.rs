@@ -89,8 +89,10 @@ pub(crate) const HITS_ONLY: [&str; 4] = ["camera", "camera, batch", "random", "r
 
 /// Sets for a field of copies: camera rays that see all of it, and random rays through its box.
 pub(crate) fn field_sets(camera: &Camera, bounds: &rondure::Bounds) -> Vec<RaySet> {
+    let tiles = camera_rays(camera, tile_order);
     vec![
         RaySet::new("camera", Query::Closest, camera_rays(camera, scanline_order)),
+        RaySet::batch("camera, batch", Query::Closest, true, tiles),
         RaySet::new("random", Query::Closest, random_rays_in(bounds, 1 << 20)),
     ]
 }

@@ -221,7 +221,7 @@ fn meshes(
 }
 
 /// Of two ways to answer each set, the faster one.
-fn faster(a: Vec<Option<Score>>, b: Vec<Option<Score>>) -> Vec<Option<Score>> {
+pub(crate) fn faster(a: Vec<Option<Score>>, b: Vec<Option<Score>>) -> Vec<Option<Score>> {
     let better = |(a, b): (Option<Score>, Option<Score>)| {
         a.into_iter().chain(b).max_by(|a, b| a.median().total_cmp(&b.median()))
     };
