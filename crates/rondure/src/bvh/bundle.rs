@@ -19,8 +19,8 @@ const ROOM: f64 = 2.0 * WIDEST;
 const TURNED: f64 = 0.25;
 /// More than the roundings of a width, as a part of it.
 const WIDER: f64 = 1.0 + 1.0 / 1024.0;
-/// More than what the pad adds to the roundings of a slab, which [`space`](super::space) has room for: u |o| + 2 u |pad|.
-const ROUNDED: f64 = 4.0 * f32::EPSILON as f64;
+/// More than what the pad adds to the roundings of a slab, which [`space`](super::space) has room for: u |o| + 2 u |pad| < 9 u.
+const ROUNDED: f64 = 8.0 * f32::EPSILON as f64;
 
 /// One of the rays, and by how much boxes grow on each axis.
 pub(super) struct Bundle {

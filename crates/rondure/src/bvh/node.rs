@@ -60,6 +60,7 @@ pub(super) struct Probe<S: fearless_simd::Simd> {
     shifted: [[Lanes<S>; 3]; 2],
     /// Which of a node's planes the ray meets first on each axis.
     first: [usize; 3],
+    begin: Lanes<S>,
 }
 
 impl<S: fearless_simd::Simd> Probe<S> {
@@ -83,7 +84,8 @@ impl<S: fearless_simd::Simd> Probe<S> {
     fn with(simd: S, ray: &LocalRay, shifted: [[Lanes<S>; 3]; 2]) -> Self {
         let [a, b, c] = ray.falling;
         let first = [usize::from(a), 2 + usize::from(b), 4 + usize::from(c)];
-        Self { reciprocal: splat3(simd, ray.reciprocal), shifted, first }
+        let begin = Lanes::splat(simd, ray.begin);
+        Self { reciprocal: splat3(simd, ray.reciprocal), shifted, first, begin }
     }
 
     /// Which boxes the ray meets up to the parameter `end`, as a mask, and where it enters them.
@@ -94,7 +96,7 @@ impl<S: fearless_simd::Simd> Probe<S> {
             plane.mul_sub(self.reciprocal[axis], self.shifted[side][axis])
         };
         let [x, y, z] = self.first;
-        let (least, most) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, end));
+        let (least, most) = (self.begin, Lanes::splat(simd, end));
         let enter = plane(0, 0, x).max(plane(0, 1, y)).max(plane(0, 2, z).max(least));
         let leave = plane(1, 0, x ^ 1).min(plane(1, 1, y ^ 1)).min(plane(1, 2, z ^ 1).min(most));
         (enter.simd_le(leave).to_bitmask() as u32, enter.into())

@@ -1,28 +1,34 @@
 //! The tree's own coordinates, and rays in them.
 //!
 //! All boxes together are moved about their common center and divided by a power of two, so that
-//! coordinates lie in [-1, 1]; then they fit f32. A ray is first moved to where it enters the sphere
-//! round the boxes: its parameter then runs from 0 to at most 2 sqrt(3), from however far it came.
+//! coordinates lie in [-1, 1]; then they fit f32. A ray that begins near them, as most do, keeps its origin. Any other is first
+//! moved to where it enters the sphere round the boxes: its parameter then runs from 0 to at most 2 sqrt(3), from however far it came.
 //!
 //! What f32 rounds is made up for once, when the boxes are built, by [`PAD`] on all sides. With
 //! u = 2^-24 the unit roundoff, and every displacement measured along the axis of a slab,
 //!
 //! ```text
-//! the rounded origin, |o| < 2                                      u
-//! the rounded direction, |d| < 2, over the parameter 3.47        3.5 u
-//! t = fl(plane * r) - fl(o * r), r = fl(1 / d)                   3 u |plane| + 3 u |o| < 9.1 u
-//! the rounded plane                                                u
+//! the rounded origin, |o| <= 8                                       8 u
+//! the rounded direction, over the way from o to the plane           10 u
+//! t = fl(plane * r) - fl(o * r), r = fl(1 / d)                       3 u |plane| + 3 u |o| < 28 u
+//! the rounded plane                                                    u
 //! ```
 //!
-//! together less than 15 u. A direction's coordinate below [`FLATTEST`] is raised to it, which moves
-//! the ray by less than its rounding would: no reciprocal is infinite, and no product is NaN.
+//! together less than 48 u. A direction's coordinate below [`FLATTEST`] is raised to it, which moves
+//! the ray by less than 5 u: no reciprocal is infinite, and no product is NaN.
 //! The f64 arithmetic that leads here errs by some 2^-50, which the rest of the padding covers.
 
 use crate::numeric::{gamma, reciprocal_power_of_two, two_diff};
 use crate::{Bounds, Ray, Vec3};
 
-/// How much larger the boxes are on all sides: 16 u.
-const PAD: f64 = 1.0 / (1 << 20) as f64;
+/// How much larger the boxes are on all sides: 64 u.
+const PAD: f64 = 1.0 / (1 << 18) as f64;
+
+/// Rays keep origins whose coordinates are no larger.
+const NEAR: f64 = 8.0;
+
+/// The parameter at which such a ray is surely beyond the sphere round the boxes: its direction is no shorter than 1.
+const BEYOND: f64 = 2.0 * NEAR + 2.0;
 
 /// The smallest coordinate of a direction, u / 4.
 const FLATTEST: f32 = 1.0 / (1 << 26) as f32;
@@ -82,7 +88,7 @@ pub(super) struct Direction {
     pub(super) unit: f64,
 }
 
-/// A ray in the tree's coordinates: its parameter runs from 0 to `end`.
+/// A ray in the tree's coordinates: its parameter runs from `begin`, which is not negative, to `end`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LocalRay {
     /// 1 / d and o / d.
@@ -90,6 +96,7 @@ pub(super) struct LocalRay {
     pub(super) shifted: [f32; 3],
     /// Whether the ray runs towards smaller coordinates.
     pub(super) falling: [bool; 3],
+    pub(super) begin: f32,
     pub(super) end: f32,
     /// The local parameter is `t * scale * inverse_unit - shift - start`.
     scale: f64,
@@ -159,7 +166,10 @@ impl Space {
     /// The same with boxes that reach so much farther, which must be less than 1/8.
     #[inline(always)]
     pub(super) fn enter_within(&self, ray: &Ray, farther: f64) -> Option<LocalRay> {
-        let (_, Direction { own: direction, unit }) = self.measured(ray)?;
+        let (from, Direction { own: direction, unit }) = self.measured(ray)?;
+        if from.max_abs() <= NEAR && ray.t_min >= 0.0 {
+            return self.enter_near(ray, from, direction, unit);
+        }
         let radius = self.radius + farther;
         let radius2 = radius * radius;
         // The largest coordinate is at least 1, so is this; all that it is for bears its rounding.
@@ -192,6 +202,7 @@ impl Space {
             reciprocal: [0.0; 3],
             shifted: [0.0; 3],
             falling: [false; 3],
+            begin: 0.0,
             end: 0.0,
             scale: self.scale,
             // A power of two between 2^-1022 and 2^1022, as its inverse is.
@@ -206,24 +217,53 @@ impl Space {
             return None;
         }
         let origin = along(start, nearest);
+        Some(LocalRay { end: rounded_up(end - start), start, ..local.facing(origin, direction) })
+    }
+
+    /// A ray that begins near the boxes, at t = 0.
+    #[inline(always)]
+    fn enter_near(&self, ray: &Ray, origin: Vec3, direction: Vec3, unit: f64) -> Option<LocalRay> {
+        let local = LocalRay {
+            reciprocal: [0.0; 3],
+            shifted: [0.0; 3],
+            falling: [false; 3],
+            begin: 0.0,
+            end: 0.0,
+            scale: self.scale,
+            inverse_unit: 1.0 / unit,
+            shift: 0.0,
+            start: 0.0,
+            reach: BEYOND,
+        };
+        let begin = local.bound(ray.t_min, -1.0).max(0.0);
+        let end = local.bound(ray.t_max, 1.0).min(BEYOND);
+        // False where one is not a number.
+        (begin <= end).then(|| LocalRay {
+            begin: rounded_down(begin),
+            end: rounded_up(end),
+            ..local.facing(origin, direction)
+        })
+    }
+}
+
+impl LocalRay {
+    /// The same from an origin in a direction.
+    #[inline(always)]
+    fn facing(self, origin: Vec3, direction: Vec3) -> Self {
         // Not by `map`, which is not always inlined.
         let [x, y, z] = [
             reciprocal(direction.x as f32),
             reciprocal(direction.y as f32),
             reciprocal(direction.z as f32),
         ];
-        Some(LocalRay {
+        Self {
             reciprocal: [x, y, z],
             shifted: [origin.x as f32 * x, origin.y as f32 * y, origin.z as f32 * z],
             falling: [x < 0.0, y < 0.0, z < 0.0],
-            end: rounded_up(end - start),
-            start,
-            ..local
-        })
+            ..self
+        }
     }
-}
 
-impl LocalRay {
     /// The parameter at which the ray's own parameter is t, from the nearest point, moved to the
     /// side of `sign` by as much as it, or a hit's own t, can be off.
     #[inline(always)]
@@ -242,6 +282,12 @@ impl LocalRay {
 #[inline(always)]
 fn reciprocal(d: f32) -> f32 {
     1.0 / if d.abs() < FLATTEST { FLATTEST.copysign(d) } else { d }
+}
+
+/// Of a number that is not negative; nor is that.
+#[inline(always)]
+fn rounded_down(x: f64) -> f32 {
+    x as f32 * (1.0 - f32::EPSILON)
 }
 
 #[inline(always)]
