@@ -23,7 +23,7 @@ use crate::{
     light::{Heaven, Lamp, Shining},
     optics::Optics,
     shape::{Disk, Shape, Sphere},
-    texture::{Own, Relief, Spot},
+    texture::{Own, Pattern, Relief, Spot},
     things::Things,
 };
 
@@ -272,9 +272,40 @@ impl World {
         }
     }
 
+    /// The colour of a pattern where a ray meets a surface, whose normal there is `normal`, and the normal that light sees, on the same side.
+    /// Most surfaces have one colour and no relief: then nothing is looked up.
+    #[inline]
+    pub(crate) fn seen(
+        &self,
+        ray: &Ray,
+        contact: &Contact,
+        finish: u32,
+        pattern: &Pattern,
+        normal: Vec3,
+    ) -> (Rgb, Vec3) {
+        match pattern.plain() {
+            Some(color) if !self.has_relief(finish) => (color, normal),
+            _ => self.looked_up(ray, contact, finish, pattern),
+        }
+    }
+
+    #[inline(never)]
+    fn looked_up(
+        &self,
+        ray: &Ray,
+        contact: &Contact,
+        finish: u32,
+        pattern: &Pattern,
+    ) -> (Rgb, Vec3) {
+        let (surface, outgoing) = (self.interaction(ray, contact), -ray.direction);
+        let spot = self.spot(contact, &surface, outgoing);
+        let normal = self.shading_normal(finish, contact, &surface, &spot, outgoing);
+        (pattern.at(&spot), normal)
+    }
+
     /// Whether a finish has a relief.
     #[inline]
-    pub(crate) fn has_relief(&self, finish: u32) -> bool {
+    fn has_relief(&self, finish: u32) -> bool {
         matches!(self.reliefs.get(finish as usize), Some(Some(_)))
     }
 
