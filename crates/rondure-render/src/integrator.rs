@@ -22,7 +22,7 @@ use crate::{
     light::Incoming,
     sampler::{Key, SPLIT_BITS, Sample},
     warp::{self, Frame},
-    world::{Contact, Role, World},
+    world::{Contact, Role, World, transmitted},
 };
 
 /// The least weight of a path that follows both reflection and refraction.
@@ -163,7 +163,7 @@ impl Tracer<'_> {
         let faded = match path.media.top() {
             Some(finish) => {
                 let (absorption, _) = world.glass(finish);
-                absorption.map(|a| (-a * contact.t).exp())
+                transmitted(absorption * contact.t)
             }
             None => Rgb::WHITE,
         };

@@ -55,6 +55,14 @@ enum On {
     Body(Place),
 }
 
+/// Lists of few things: of all, of those that block light, and of surfaces that let it pass.
+#[derive(Clone, Debug)]
+struct Lists {
+    all: Few,
+    blocking: Few,
+    passing: Few,
+}
+
 /// Everything that rays ask about a scene.
 #[derive(Clone, Debug)]
 pub(crate) struct World {
@@ -84,8 +92,8 @@ pub(crate) struct World {
     pub(crate) brightest: f64,
     blocking: Bvh,
     passing: Bvh,
-    /// All things, if they are few.
-    few: Option<Few>,
+    /// Lists in the place of those trees, if things are few.
+    few: Option<Lists>,
     bodies: Option<Bodies>,
     has_glass: bool,
 }
@@ -146,10 +154,16 @@ impl World {
                 has_glass |= finishes[*finish as usize].is_clear();
             }
         }
-        let blocks = |thing: u32| match roles[role_of[thing as usize] as usize] {
-            Role::Surface { finish, .. } => !finishes[finish as usize].is_clear(),
-            Role::Lamp(_) => false,
+        let is_clear = |thing: u32| match roles[role_of[thing as usize] as usize] {
+            Role::Surface { finish, .. } => Some(finishes[finish as usize].is_clear()),
+            Role::Lamp(_) => None,
         };
+        let blocks = |thing| is_clear(thing) == Some(false);
+        let few = Few::new(&things, |_| true).and_then(|all| {
+            let blocking = Few::new(&things, blocks)?;
+            let passing = Few::boxed(&things, |thing| is_clear(thing) == Some(true))?;
+            Some(Lists { all, blocking, passing })
+        });
         // What has an empty box is never met.
         let tree = |of_blocking: bool| {
             let bounds = |thing| {
@@ -182,7 +196,7 @@ impl World {
         let brightest = seen.map(Rgb::max_channel).fold(0.0, f64::max);
         let white = 1.0 / scene.film.exposure;
         Ok(Self {
-            few: Few::new(&things),
+            few,
             things,
             roles,
             first_things: firsts(&role_of, scene.objects.len() + scene.lights.len()),
@@ -435,7 +449,7 @@ impl World {
         let mut best: Option<(u32, Hit)> = None;
         let mut shortened = *ray;
         if let Some(few) = &self.few
-            && let Some((thing, t)) = few.flats().closest(ray)
+            && let Some((thing, t)) = few.all.flats().closest(ray)
         {
             best = Some((thing, Hit { t, piece: 0, s: 0.0 }));
             shortened.t_max = t;
@@ -451,7 +465,7 @@ impl World {
             shortened.t_max
         };
         match &self.few {
-            Some(few) => few.walk(&start, visit),
+            Some(few) => few.all.walk(&start, visit),
             None => {
                 let mut cut = *ray;
                 for tree in [&self.blocking, &self.passing] {
@@ -482,7 +496,7 @@ impl World {
     /// Whether anything at all stands in the ray's range, lamps and clear glass among them.
     #[inline]
     pub(crate) fn is_occluded(&self, ray: &Ray) -> bool {
-        if self.few.as_ref().is_some_and(|few| few.flats().any(ray)) {
+        if self.few.as_ref().is_some_and(|few| few.all.flats().any(ray)) {
             return true;
         }
         let mut found = false;
@@ -491,7 +505,7 @@ impl World {
             if found { f64::NEG_INFINITY } else { ray.t_max }
         };
         match &self.few {
-            Some(few) => few.walk(ray, visit),
+            Some(few) => few.all.walk(ray, visit),
             None => {
                 let mut end = ray.t_max;
                 for tree in [&self.blocking, &self.passing] {
@@ -514,10 +528,15 @@ impl World {
     #[inline]
     fn is_blocked(&self, ray: &Ray) -> bool {
         let mut blocked = false;
-        self.blocking.walk(ray, |thing| {
+        let visit = |thing| {
             blocked = self.things.any(thing, ray);
             if blocked { f64::NEG_INFINITY } else { ray.t_max }
-        });
+        };
+        match &self.few {
+            Some(few) if few.blocking.flats().any(ray) => return true,
+            Some(few) => few.blocking.walk(ray, visit),
+            None => self.blocking.walk(ray, visit),
+        }
         blocked || self.bodies.as_ref().is_some_and(|b| b.blocks(ray, &self.finishes))
     }
 
@@ -534,15 +553,6 @@ impl World {
 
     /// All surfaces of glass count alike, in any order: no matter how bodies overlap.
     fn clear_transmittance(&self, ray: &Ray) -> Rgb {
-        // In the order of their numbers, so that sums do not depend on the tree.
-        let mut met = Vec::new();
-        self.passing.walk(ray, |thing| {
-            if matches!(self.role(thing), Role::Surface { .. }) {
-                met.push(thing);
-            }
-            ray.t_max
-        });
-        met.sort_unstable();
         let mut passed = 1.0;
         // The optical depth is the sum of absorption times where a ray leaves less where it enters.
         let mut depth = Rgb::BLACK;
@@ -569,7 +579,21 @@ impl World {
                 }
             }
         };
-        met.into_iter().for_each(&mut pass);
+        // In the order of their numbers, so that sums do not depend on the tree.
+        match &self.few {
+            Some(few) => few.passing.candidates([*ray].into_iter()).for_each(&mut pass),
+            None => {
+                let mut met = Vec::new();
+                self.passing.walk(ray, |thing| {
+                    if matches!(self.role(thing), Role::Surface { .. }) {
+                        met.push(thing);
+                    }
+                    ray.t_max
+                });
+                met.sort_unstable();
+                met.into_iter().for_each(&mut pass);
+            }
+        }
         if ray.t_max < f64::INFINITY {
             depth += open.map(|v| v.max(0.0)) * ray.t_max;
         }
@@ -578,8 +602,14 @@ impl World {
             passed *= share;
             depth = depth.map(|v| v.max(0.0)) + more;
         }
-        depth.map(|v| (-v.max(0.0)).exp()) * passed
+        transmitted(depth.map(|v| v.max(0.0))) * passed
     }
+}
+
+/// What an optical depth leaves of light.
+#[inline]
+pub(crate) fn transmitted(depth: Rgb) -> Rgb {
+    if depth.is_black() { Rgb::WHITE } else { depth.map(|v| (-v).exp()) }
 }
 
 /// For each of `count` values the index of the first one that has it; 0 if none has.

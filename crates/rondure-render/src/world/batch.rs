@@ -27,20 +27,17 @@ impl World {
         best.clear();
         columns.clear();
         columns.extend_from_slice(rays);
-        few.flats().closest_of_many(&columns.rays(), flat);
-        for ((i, ray), flat) in rays.iter().enumerate().zip(flat) {
-            let mut nearest = flat.map(|(thing, t)| (thing, Hit { t, piece: 0, s: 0.0 }));
-            for &thing in few.simple() {
-                nearest = nearer(nearest, thing, self.things.closest(thing, ray));
-            }
-            columns.set_end(i, nearest.map_or(ray.t_max, |(_, hit)| hit.t));
-            best.push(nearest);
+        few.all.flats().closest_of_many(&columns.rays(), flat);
+        for (i, flat) in flat.iter().enumerate() {
+            best.push(flat.map(|(thing, t)| (thing, Hit { t, piece: 0, s: 0.0 })));
+            columns.set_end(i, flat.map_or(rays[i].t_max, |(_, t)| t));
         }
-        for thing in few.turned() {
-            self.things.turned.closest_of_many(thing, &columns.rays(), hits);
+        let asked = (0..rays.len()).map(|i| columns.rays().get(i));
+        for thing in few.all.candidates(asked) {
+            self.things.closest_of_many(thing, &columns.rays(), hits);
             for (i, nearest) in best.iter_mut().enumerate() {
                 if let Some(hit) = hits.get(i) {
-                    *nearest = nearer(*nearest, thing, Some(hit));
+                    *nearest = nearer(*nearest, thing, hit);
                     columns.set_end(i, hit.t);
                 }
             }
@@ -54,10 +51,9 @@ impl World {
 
 /// The nearer of two hits; at the same place that on the thing of the smaller number.
 #[inline]
-fn nearer(best: Option<(u32, Hit)>, thing: u32, hit: Option<Hit>) -> Option<(u32, Hit)> {
-    match (best, hit) {
-        (Some((other, at)), Some(hit)) if hit.t > at.t || (hit.t == at.t && thing > other) => best,
-        (_, Some(hit)) => Some((thing, hit)),
-        (_, None) => best,
+fn nearer(best: Option<(u32, Hit)>, thing: u32, hit: Hit) -> Option<(u32, Hit)> {
+    match best {
+        Some((other, at)) if hit.t > at.t || (hit.t == at.t && thing > other) => best,
+        _ => Some((thing, hit)),
     }
 }
