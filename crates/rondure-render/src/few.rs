@@ -10,10 +10,13 @@ use rondure::{Bounds, Ray, Vec3, numeric::gamma};
 use crate::{shape::Flats, things::Things};
 
 /// The most things in a list.
-pub(crate) const MOST: usize = 16;
+pub(crate) const MOST: usize = 32;
 
 /// So many boxes lie side by side.
 const WIDTH: usize = 8;
+
+/// So few are looked at one by one, turned ones by the balls round them: to choose the instruction set takes as long.
+const ONE_BY_ONE: usize = 4;
 
 /// How much t may be off, as a part of it, or more.
 const ROOM: f64 = gamma(8);
@@ -25,9 +28,11 @@ const PAD: f64 = 1.0 / (1_u64 << 40) as f64;
 #[derive(Clone, Debug)]
 pub(crate) struct Few {
     flats: Flats,
-    /// What else there is, in the order of the numbers.
+    /// What else there is, in the order of the numbers, and the boxes round that.
     things: Vec<u32>,
     boxes: Vec<Eight>,
+    /// The balls round those that are turned, the first ones, if there are only few.
+    balls: Vec<Ball>,
     level: Level,
 }
 
@@ -35,10 +40,12 @@ pub(crate) struct Few {
 #[derive(Clone, Copy, Debug)]
 struct Eight([[f64; WIDTH]; 6]);
 
-/// Which of the boxes a ray meets, as bits, and where it enters them.
-struct Met {
-    boxes: u32,
-    enter: [f64; MOST],
+/// The ball round a thing.
+#[derive(Clone, Copy, Debug)]
+struct Ball {
+    center: Vec3,
+    /// The square of the radius, with room for rounding.
+    reach2: f64,
 }
 
 impl Few {
@@ -50,11 +57,14 @@ impl Few {
         let (turned, all) = (things.turned.len() as u32, things.len() as u32);
         let simple = (turned..all).zip(&things.simple).filter(|(thing, _)| listed(*thing));
         let (flats, others) = Flats::of(simple);
-        let others = (0..turned).filter(|thing| listed(*thing)).chain(others);
-        Some(Self { flats, ..Self::of_boxes(others, |thing| things.bounds(thing)) })
+        let turned = (0..turned).filter(|thing| listed(*thing));
+        let balls = turned.clone().take(ONE_BY_ONE).map(|thing| Ball::new(&things.bounds(thing)));
+        let balls = balls.collect();
+        let boxes = Self::of_boxes(turned.chain(others), |thing| things.bounds(thing));
+        Some(Self { flats, balls, ..boxes })
     }
 
-    /// The same, but flat shapes are in boxes as well, and [`walk`](Self::walk) leaves out nothing.
+    /// The same, but flat shapes are in boxes as well, and nothing is left out of those.
     pub(crate) fn boxed(things: &Things, listed: impl Fn(u32) -> bool) -> Option<Self> {
         let all = 0..things.len() as u32;
         let listed = all.filter(|thing| listed(*thing));
@@ -67,10 +77,11 @@ impl Few {
         for (i, &thing) in things.iter().enumerate() {
             boxes[i / WIDTH].set(i % WIDTH, &bounds(thing));
         }
-        Self { flats: Flats::default(), things, boxes, level: Level::new() }
+        let balls = Vec::new();
+        Self { flats: Flats::default(), things, boxes, balls, level: Level::new() }
     }
 
-    /// The rectangles and planes, which [`walk`](Self::walk) leaves out.
+    /// The rectangles and planes.
     #[inline(always)]
     pub(crate) fn flats(&self) -> &Flats {
         &self.flats
@@ -80,16 +91,36 @@ impl Few {
     /// stops.
     #[inline(always)]
     pub(crate) fn walk(&self, ray: &Ray, mut visit: impl FnMut(u32) -> f64) {
-        let Met { mut boxes, enter } = self.meet(ray);
         let mut end = ray.t_max;
-        while boxes != 0 {
-            let first = bits(boxes).fold(boxes.trailing_zeros() as usize % MOST, |first, i| {
-                if enter[i] < enter[first] { i } else { first }
-            });
+        if self.things.len() <= ONE_BY_ONE {
+            for &thing in &self.things[self.balls.len()..] {
+                end = visit(thing);
+                if end == f64::NEG_INFINITY {
+                    return;
+                }
+            }
+            for (ball, &thing) in self.balls.iter().zip(&self.things) {
+                if !ball.misses(ray, end) {
+                    end = visit(thing);
+                    if end == f64::NEG_INFINITY {
+                        return;
+                    }
+                }
+            }
+            return;
+        }
+        let mut enter = [0.0; MOST];
+        let mut left = self.meet(ray, &mut enter);
+        while left != 0 {
+            let mut places = bits(left);
+            let mut first = places.next().unwrap_or_default();
+            for place in places {
+                first = if enter[place] < enter[first] { place } else { first };
+            }
             if enter[first] > end || end == f64::NEG_INFINITY {
                 return;
             }
-            boxes &= !(1 << first);
+            left &= !(1 << first);
             end = visit(self.things[first]);
         }
     }
@@ -97,13 +128,15 @@ impl Few {
     /// What of that any of some rays may meet in its range, in the order in which things are listed: turned ones by their numbers, then others.
     #[inline]
     pub(crate) fn candidates(&self, rays: impl Iterator<Item = Ray>) -> Candidates<'_> {
-        let boxes = rays.fold(0, |boxes, ray| boxes | self.meet(&ray).boxes);
+        let mut enter = [0.0; MOST];
+        let boxes = rays.fold(0, |boxes, ray| boxes | self.meet(&ray, &mut enter));
         Candidates { few: self, boxes }
     }
 
+    /// Which boxes a ray meets, as bits, and where it enters them.
     #[inline(always)]
-    fn meet(&self, ray: &Ray) -> Met {
-        dispatch!(self.level, simd => meet(simd, &self.boxes, ray))
+    fn meet(&self, ray: &Ray, enter: &mut [f64; MOST]) -> u32 {
+        dispatch!(self.level, simd => meet(simd, &self.boxes, ray, enter))
     }
 }
 
@@ -151,20 +184,43 @@ impl Eight {
     }
 }
 
+impl Ball {
+    fn new(bounds: &Bounds) -> Self {
+        let half = (bounds.max - bounds.min) * 0.5;
+        let center = bounds.min + half;
+        Self { center, reach2: (1.0 + 2.0 * PAD) * half.length_squared() }
+    }
+
+    /// Whether the ray surely has nothing of the ball up to `end`. What is not a number is not sure.
+    #[inline(always)]
+    fn misses(&self, ray: &Ray, end: f64) -> bool {
+        let (to, d) = (self.center - ray.origin, ray.direction);
+        let (to2, d2, along) = (to.length_squared(), d.length_squared(), to.dot(d));
+        let reach2 = self.reach2 * d2;
+        // The squares of lengths, each times d^2, and what they may be off.
+        let aside = to2 * d2 - along * along;
+        let before = along - ray.t_min * d2;
+        let beyond = along - end * d2;
+        let slack = reach2 + gamma(64) * (to2 * d2);
+        aside > slack
+            || (before < 0.0 && before * before > slack)
+            || (beyond > 0.0 && beyond * beyond > slack)
+    }
+}
+
 #[inline(always)]
-fn meet<S: Simd>(simd: S, boxes: &[Eight], ray: &Ray) -> Met {
+fn meet<S: Simd>(simd: S, boxes: &[Eight], ray: &Ray, enters: &mut [f64; MOST]) -> u32 {
     let splat = |x: f64| f64x8::splat(simd, x);
-    let [o, d] = [ray.origin, ray.direction];
-    let [ox, oy, oz] = [splat(o.x), splat(o.y), splat(o.z)];
-    let [x, y, z] = [reciprocal(d.x), reciprocal(d.y), reciprocal(d.z)];
+    let [ox, oy, oz] = [splat(ray.origin.x), splat(ray.origin.y), splat(ray.origin.z)];
+    let Vec3 { x, y, z } = ray.direction;
+    let [x, y, z] = [reciprocal(x), reciprocal(y), reciprocal(z)];
     // The planes that the ray meets first.
     let [near_x, near_y, near_z] =
         [usize::from(x < 0.0), 2 + usize::from(y < 0.0), 4 + usize::from(z < 0.0)];
     let [x, y, z] = [splat(x), splat(y), splat(z)];
     let (start, end, room) = (splat(ray.t_min), splat(ray.t_max), splat(ROOM));
-    let mut met = Met { boxes: 0, enter: [0.0; MOST] };
-    for (i, (Eight(planes), enters)) in
-        boxes.iter().zip(met.enter.chunks_exact_mut(WIDTH)).enumerate()
+    let mut met = 0;
+    for (i, (Eight(planes), enters)) in boxes.iter().zip(enters.chunks_exact_mut(WIDTH)).enumerate()
     {
         let plane = |number: usize| f64x8::from_slice(simd, &planes[number]);
         let enter =
@@ -176,7 +232,7 @@ fn meet<S: Simd>(simd: S, boxes: &[Eight], ray: &Ray) -> Met {
         // False where there is no box: what is infinite is no number any more.
         let meets = enter.simd_le(leave) & leave.simd_ge(start) & enter.simd_le(end);
         enter.store_slice(enters);
-        met.boxes |= (meets.to_bitmask() as u32) << (WIDTH * i);
+        met |= (meets.to_bitmask() as u32) << (WIDTH * i);
     }
     met
 }
@@ -226,9 +282,45 @@ mod tests {
         let mut first = Vec::new();
         few.walk(&along, |thing| {
             first.push(thing);
-            if thing == 3 { f64::NEG_INFINITY } else { f64::INFINITY }
+            if thing == 3 { 11.5 } else { 20.0 }
         });
         assert_eq!(first, [0, 1, 2, 3]);
+    }
+
+    #[test]
+    fn balls_are_missed_only_from_beside_them_behind_and_before() {
+        let center = Vec3::new(3.0, 4.0, 5.0);
+        let half = Vec3::splat(1.0);
+        let ball = Ball::new(&Bounds { min: center - half, max: center + half });
+        let towards = |aside: f64| {
+            let origin = Vec3::new(3.0 + aside, -10.0, 5.0);
+            Ray::new(origin, Vec3::new(0.0, 2.0, 0.0))
+        };
+        for aside in [0.0, 1.0, 3.0_f64.sqrt()] {
+            let ray = towards(aside);
+            assert!(!ball.misses(&ray, f64::INFINITY), "{aside}");
+            // The corner of the box that is nearest, and farthest.
+            assert!(!ball.misses(&ray, 6.5), "{aside}");
+            assert!(!ball.misses(&ray.with_range(7.5, f64::INFINITY), f64::INFINITY), "{aside}");
+        }
+        assert!(ball.misses(&towards(2.5), f64::INFINITY));
+        assert!(ball.misses(&towards(0.0), 5.0));
+        assert!(ball.misses(&towards(0.0).with_range(9.0, f64::INFINITY), f64::INFINITY));
+        let line = towards(0.0).with_range(f64::NEG_INFINITY, f64::INFINITY);
+        assert!(!ball.misses(&line, f64::INFINITY));
+        let back = Ray { direction: Vec3::new(0.0, -1.0, 0.0), ..line };
+        assert!(!ball.misses(&back, f64::INFINITY));
+        assert!(ball.misses(&back.with_range(0.0, f64::INFINITY), f64::INFINITY));
+    }
+
+    #[test]
+    fn what_is_not_a_number_does_not_miss_a_ball() {
+        let ball = Ball::new(&Bounds { min: Vec3::splat(-1.0), max: Vec3::splat(1.0) });
+        let ray = Ray::new(Vec3::splat(f64::NAN), Vec3::X);
+        assert!(!ball.misses(&ray, f64::INFINITY));
+        let endless = Vec3::splat(f64::INFINITY);
+        let space = Ball::new(&Bounds { min: -endless, max: endless });
+        assert!(!space.misses(&Ray::new(Vec3::splat(9.0), Vec3::X), 1.0));
     }
 
     #[test]
@@ -239,7 +331,7 @@ mod tests {
                 let at = |key: Key| warp::cap(sample.pair(key), 2.0);
                 let (center, half) = (at(Key::FILTER) * size, at(Key::LENS).abs() * (0.3 * size));
                 let bounds = Bounds { min: center - half, max: center + half };
-                let few = Few::of_boxes(7..8, |_| bounds);
+                let few = Few::of_boxes(7..12, |_| bounds);
                 // A corner, or the middle of an edge or a face.
                 let side = |n: u32| f64::from(i / n % 3) - 1.0;
                 let sides = Vec3::new(side(1), side(3), side(9));
@@ -253,7 +345,8 @@ mod tests {
                     let origin = point - to * (distance * size);
                     let t = distance * size;
                     let ray = Ray::new(origin, to).with_range(t * (1.0 - 1e-12), t);
-                    assert_eq!(visited(&few, &ray), [7], "{bounds:?} {ray:?}");
+                    assert_eq!(visited(&few, &ray).len(), 5, "{bounds:?} {ray:?}");
+                    assert!(!Ball::new(&bounds).misses(&ray, t), "{bounds:?} {ray:?}");
                 }
             }
         }
@@ -262,7 +355,7 @@ mod tests {
     #[test]
     fn planes_are_met_and_nothing_is_not() {
         let endless = Vec3::splat(f64::INFINITY);
-        let few = Few::of_boxes(0..2, |thing| match thing {
+        let few = Few::of_boxes(0..9, |thing| match thing {
             0 => Bounds { min: -endless, max: endless },
             _ => Bounds::EMPTY,
         });

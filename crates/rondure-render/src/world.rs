@@ -496,47 +496,47 @@ impl World {
     /// Whether anything at all stands in the ray's range, lamps and clear glass among them.
     #[inline]
     pub(crate) fn is_occluded(&self, ray: &Ray) -> bool {
-        if self.few.as_ref().is_some_and(|few| few.all.flats().any(ray)) {
+        let found = match &self.few {
+            Some(few) => self.is_any(&few.all, ray),
+            None => {
+                [&self.blocking, &self.passing].into_iter().any(|tree| self.is_any_of(tree, ray))
+            }
+        };
+        found || self.bodies.as_ref().is_some_and(|bodies| bodies.any(ray))
+    }
+
+    /// Whether the ray meets any thing of a list.
+    #[inline]
+    fn is_any(&self, few: &Few, ray: &Ray) -> bool {
+        if few.flats().any(ray) {
             return true;
         }
         let mut found = false;
-        let mut visit = |thing| {
+        few.walk(ray, |thing| {
             found = self.things.any(thing, ray);
             if found { f64::NEG_INFINITY } else { ray.t_max }
-        };
-        match &self.few {
-            Some(few) => few.all.walk(ray, visit),
-            None => {
-                let mut end = ray.t_max;
-                for tree in [&self.blocking, &self.passing] {
-                    if end > f64::NEG_INFINITY {
-                        tree.walk(ray, |thing| {
-                            end = visit(thing);
-                            end
-                        });
-                    }
-                }
-            }
-        }
-        if found {
-            return true;
-        }
-        self.bodies.as_ref().is_some_and(|bodies| bodies.any(ray))
+        });
+        found
+    }
+
+    /// Whether it meets any of a tree.
+    #[inline]
+    fn is_any_of(&self, tree: &Bvh, ray: &Ray) -> bool {
+        let mut found = false;
+        tree.walk(ray, |thing| {
+            found = self.things.any(thing, ray);
+            if found { f64::NEG_INFINITY } else { ray.t_max }
+        });
+        found
     }
 
     /// Whether something that is not clear stands in the ray's range. Lamps never do.
     #[inline]
     fn is_blocked(&self, ray: &Ray) -> bool {
-        let mut blocked = false;
-        let visit = |thing| {
-            blocked = self.things.any(thing, ray);
-            if blocked { f64::NEG_INFINITY } else { ray.t_max }
+        let blocked = match &self.few {
+            Some(few) => self.is_any(&few.blocking, ray),
+            None => self.is_any_of(&self.blocking, ray),
         };
-        match &self.few {
-            Some(few) if few.blocking.flats().any(ray) => return true,
-            Some(few) => few.blocking.walk(ray, visit),
-            None => self.blocking.walk(ray, visit),
-        }
         blocked || self.bodies.as_ref().is_some_and(|b| b.blocks(ray, &self.finishes))
     }
 
