@@ -67,6 +67,15 @@ impl Finish {
         }
     }
 
+    /// The pattern that it is coloured by.
+    #[inline]
+    pub(crate) fn color(&self) -> &Pattern {
+        match self {
+            Self::Matte { color } | Self::Glossy { color, .. } | Self::Mirror { color } => color,
+            Self::Glass { .. } => &Pattern::Solid(Rgb::WHITE),
+        }
+    }
+
     pub(crate) fn is_clear(&self) -> bool {
         matches!(self, Self::Glass { .. })
     }

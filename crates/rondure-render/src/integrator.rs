@@ -10,7 +10,7 @@
 //! random. The weights of the paths of one generation add up to at most one, so at most
 //! 1 / [`SPLIT_WEIGHT`] of them branch: the work is bounded by the depth, not by its power of two.
 
-use rondure::{Interaction, Ray, Vec3};
+use rondure::{Footing, Ray, Vec3};
 use rondure_film::Statistics;
 
 use crate::{
@@ -22,7 +22,7 @@ use crate::{
     light::Incoming,
     sampler::{Key, SPLIT_BITS, Sample},
     warp::{self, Frame},
-    world::{Contact, Role, World},
+    world::{Contact, Role, World, transmitted},
 };
 
 /// The least weight of a path that follows both reflection and refraction.
@@ -110,7 +110,7 @@ impl Path {
 
 /// A place where light is looked up: the surface, the viewer's side of it and the viewer.
 struct Place<'a> {
-    surface: &'a Interaction,
+    surface: &'a Footing,
     /// The normal on the viewer's side.
     normal: Vec3,
     /// The normal that light sees, turned by a relief.
@@ -163,7 +163,7 @@ impl Tracer<'_> {
         let faded = match path.media.top() {
             Some(finish) => {
                 let (absorption, _) = world.glass(finish);
-                absorption.map(|a| (-a * contact.t).exp())
+                transmitted(absorption * contact.t)
             }
             None => Rgb::WHITE,
         };
@@ -176,18 +176,17 @@ impl Tracer<'_> {
             }
             Role::Surface { finish, solid } => (finish, solid),
         };
-        let surface = world.interaction(ray, &contact);
+        let surface = world.footing(ray, &contact);
         let outgoing = -ray.direction;
         let entering = surface.normal.dot(outgoing) >= 0.0;
         let normal = if entering { surface.normal } else { -surface.normal };
-        let spot = world.spot(&contact, &surface, outgoing);
-        let shading = world.shading_normal(finish, &contact, &surface, &spot, outgoing);
-        let shading = if entering { shading } else { -shading };
+        let kind = world.finish(finish);
+        let (color, outwards) = world.seen(ray, &contact, finish, kind.color(), surface.normal);
+        let shading = if entering { outwards } else { -outwards };
         let place = Place { surface: &surface, normal, shading, outgoing, path: &path };
-        let light = match world.finish(finish) {
-            Finish::Matte { color } => self.matte(&place, color.at(&spot)),
-            Finish::Glossy { color, coat } => {
-                let base = color.at(&spot);
+        let light = match kind {
+            Finish::Matte { .. } => self.matte(&place, color),
+            Finish::Glossy { coat, .. } => {
                 let frame = Frame::new(shading);
                 let mut local = frame.to_local(outgoing);
                 local.z = local.z.max(f64::MIN_POSITIVE);
@@ -202,9 +201,9 @@ impl Tracer<'_> {
                     } else {
                         (0.0, coat.shared_highlight(local, wi, incoming.pdf))
                     };
-                    (base * lambert + Rgb::splat(bright), Rgb::splat(shared))
+                    (color * lambert + Rgb::splat(bright), Rgb::splat(shared))
                 });
-                sum += self.sky_light(&place, |cos| base * coat.base(local.z, cos));
+                sum += self.sky_light(&place, |cos| color * coat.base(local.z, cos));
                 let u = if coat.is_rough() {
                     self.sample.pair(path.key.child(LOBE))
                 } else {
@@ -218,7 +217,7 @@ impl Tracer<'_> {
                 }
                 sum
             }
-            Finish::Mirror { color } => self.mirror(&place, color.at(&spot)),
+            Finish::Mirror { .. } => self.mirror(&place, color),
             Finish::Glass { .. } if solid => {
                 let medium = Medium { thing: contact.thing, finish };
                 self.glass(&place, medium, entering)
@@ -413,7 +412,7 @@ impl Tracer<'_> {
         if always.is_black() && free.is_black() {
             return Rgb::BLACK;
         }
-        let ray = incoming.sight(&place.surface.footing());
+        let ray = incoming.sight(place.surface);
         self.statistics.shadow_rays += 1;
         let passed = self.world.transmittance(&ray);
         if passed == Rgb::WHITE {

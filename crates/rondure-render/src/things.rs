@@ -1,7 +1,7 @@
 //! All things that rays meet, by number: the turned ones first, then the simple shapes, in the order
 //! in which they came.
 
-use rondure::{Affine, Bounds, Footing, Hit, Instances, Interaction, Ray, Vec3};
+use rondure::{Affine, Bounds, Footing, Hit, Hits, Instances, Interaction, Ray, Rays, Vec3};
 
 use crate::{shape::Shape, texture::Own};
 
@@ -50,6 +50,14 @@ impl Things {
         match self.at(thing) {
             Thing::Turned(i) => self.turned.closest(i, ray),
             Thing::Simple(shape) => shape.closest(ray),
+        }
+    }
+
+    /// The same for many rays.
+    pub(crate) fn closest_of_many(&self, thing: u32, rays: &Rays<'_>, hits: &mut Hits) {
+        match self.at(thing) {
+            Thing::Turned(i) => self.turned.closest_of_many(i, rays, hits),
+            Thing::Simple(shape) => hits.fill((0..rays.len()).map(|i| shape.closest(&rays.get(i)))),
         }
     }
 

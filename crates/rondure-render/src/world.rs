@@ -23,7 +23,7 @@ use crate::{
     light::{Heaven, Lamp, Shining},
     optics::Optics,
     shape::{Disk, Shape, Sphere},
-    texture::{Own, Relief, Spot},
+    texture::{Own, Pattern, Relief, Spot},
     things::Things,
 };
 
@@ -55,6 +55,14 @@ enum On {
     Body(Place),
 }
 
+/// Lists of few things: of all, of those that block light, and of surfaces that let it pass.
+#[derive(Clone, Debug)]
+struct Lists {
+    all: Few,
+    blocking: Few,
+    passing: Few,
+}
+
 /// Everything that rays ask about a scene.
 #[derive(Clone, Debug)]
 pub(crate) struct World {
@@ -84,8 +92,8 @@ pub(crate) struct World {
     pub(crate) brightest: f64,
     blocking: Bvh,
     passing: Bvh,
-    /// All things, if they are few.
-    few: Option<Few>,
+    /// Lists in the place of those trees, if things are few.
+    few: Option<Lists>,
     bodies: Option<Bodies>,
     has_glass: bool,
 }
@@ -146,10 +154,16 @@ impl World {
                 has_glass |= finishes[*finish as usize].is_clear();
             }
         }
-        let blocks = |thing: u32| match roles[role_of[thing as usize] as usize] {
-            Role::Surface { finish, .. } => !finishes[finish as usize].is_clear(),
-            Role::Lamp(_) => false,
+        let is_clear = |thing: u32| match roles[role_of[thing as usize] as usize] {
+            Role::Surface { finish, .. } => Some(finishes[finish as usize].is_clear()),
+            Role::Lamp(_) => None,
         };
+        let blocks = |thing| is_clear(thing) == Some(false);
+        let few = Few::new(&things, |_| true).and_then(|all| {
+            let blocking = Few::new(&things, blocks)?;
+            let passing = Few::boxed(&things, |thing| is_clear(thing) == Some(true))?;
+            Some(Lists { all, blocking, passing })
+        });
         // What has an empty box is never met.
         let tree = |of_blocking: bool| {
             let bounds = |thing| {
@@ -182,7 +196,7 @@ impl World {
         let brightest = seen.map(Rgb::max_channel).fold(0.0, f64::max);
         let white = 1.0 / scene.film.exposure;
         Ok(Self {
-            few: Few::new(&things),
+            few,
             things,
             roles,
             first_things: firsts(&role_of, scene.objects.len() + scene.lights.len()),
@@ -272,9 +286,40 @@ impl World {
         }
     }
 
+    /// The colour of a pattern where a ray meets a surface, whose normal there is `normal`, and the normal that light sees, on the same side.
+    /// Most surfaces have one colour and no relief: then nothing is looked up.
+    #[inline]
+    pub(crate) fn seen(
+        &self,
+        ray: &Ray,
+        contact: &Contact,
+        finish: u32,
+        pattern: &Pattern,
+        normal: Vec3,
+    ) -> (Rgb, Vec3) {
+        match pattern.plain() {
+            Some(color) if !self.has_relief(finish) => (color, normal),
+            _ => self.looked_up(ray, contact, finish, pattern),
+        }
+    }
+
+    #[inline(never)]
+    fn looked_up(
+        &self,
+        ray: &Ray,
+        contact: &Contact,
+        finish: u32,
+        pattern: &Pattern,
+    ) -> (Rgb, Vec3) {
+        let (surface, outgoing) = (self.interaction(ray, contact), -ray.direction);
+        let spot = self.spot(contact, &surface, outgoing);
+        let normal = self.shading_normal(finish, contact, &surface, &spot, outgoing);
+        (pattern.at(&spot), normal)
+    }
+
     /// Whether a finish has a relief.
     #[inline]
-    pub(crate) fn has_relief(&self, finish: u32) -> bool {
+    fn has_relief(&self, finish: u32) -> bool {
         matches!(self.reliefs.get(finish as usize), Some(Some(_)))
     }
 
@@ -404,7 +449,7 @@ impl World {
         let mut best: Option<(u32, Hit)> = None;
         let mut shortened = *ray;
         if let Some(few) = &self.few
-            && let Some((thing, t)) = few.flats().closest(ray)
+            && let Some((thing, t)) = few.all.flats().closest(ray)
         {
             best = Some((thing, Hit { t, piece: 0, s: 0.0 }));
             shortened.t_max = t;
@@ -420,7 +465,7 @@ impl World {
             shortened.t_max
         };
         match &self.few {
-            Some(few) => few.walk(&start, visit),
+            Some(few) => few.all.walk(&start, visit),
             None => {
                 let mut cut = *ray;
                 for tree in [&self.blocking, &self.passing] {
@@ -451,42 +496,47 @@ impl World {
     /// Whether anything at all stands in the ray's range, lamps and clear glass among them.
     #[inline]
     pub(crate) fn is_occluded(&self, ray: &Ray) -> bool {
-        if self.few.as_ref().is_some_and(|few| few.flats().any(ray)) {
+        let found = match &self.few {
+            Some(few) => self.is_any(&few.all, ray),
+            None => {
+                [&self.blocking, &self.passing].into_iter().any(|tree| self.is_any_of(tree, ray))
+            }
+        };
+        found || self.bodies.as_ref().is_some_and(|bodies| bodies.any(ray))
+    }
+
+    /// Whether the ray meets any thing of a list.
+    #[inline]
+    fn is_any(&self, few: &Few, ray: &Ray) -> bool {
+        if few.flats().any(ray) {
             return true;
         }
         let mut found = false;
-        let mut visit = |thing| {
+        few.walk(ray, |thing| {
             found = self.things.any(thing, ray);
             if found { f64::NEG_INFINITY } else { ray.t_max }
-        };
-        match &self.few {
-            Some(few) => few.walk(ray, visit),
-            None => {
-                let mut end = ray.t_max;
-                for tree in [&self.blocking, &self.passing] {
-                    if end > f64::NEG_INFINITY {
-                        tree.walk(ray, |thing| {
-                            end = visit(thing);
-                            end
-                        });
-                    }
-                }
-            }
-        }
-        if found {
-            return true;
-        }
-        self.bodies.as_ref().is_some_and(|bodies| bodies.any(ray))
+        });
+        found
+    }
+
+    /// Whether it meets any of a tree.
+    #[inline]
+    fn is_any_of(&self, tree: &Bvh, ray: &Ray) -> bool {
+        let mut found = false;
+        tree.walk(ray, |thing| {
+            found = self.things.any(thing, ray);
+            if found { f64::NEG_INFINITY } else { ray.t_max }
+        });
+        found
     }
 
     /// Whether something that is not clear stands in the ray's range. Lamps never do.
     #[inline]
     fn is_blocked(&self, ray: &Ray) -> bool {
-        let mut blocked = false;
-        self.blocking.walk(ray, |thing| {
-            blocked = self.things.any(thing, ray);
-            if blocked { f64::NEG_INFINITY } else { ray.t_max }
-        });
+        let blocked = match &self.few {
+            Some(few) => self.is_any(&few.blocking, ray),
+            None => self.is_any_of(&self.blocking, ray),
+        };
         blocked || self.bodies.as_ref().is_some_and(|b| b.blocks(ray, &self.finishes))
     }
 
@@ -503,15 +553,6 @@ impl World {
 
     /// All surfaces of glass count alike, in any order: no matter how bodies overlap.
     fn clear_transmittance(&self, ray: &Ray) -> Rgb {
-        // In the order of their numbers, so that sums do not depend on the tree.
-        let mut met = Vec::new();
-        self.passing.walk(ray, |thing| {
-            if matches!(self.role(thing), Role::Surface { .. }) {
-                met.push(thing);
-            }
-            ray.t_max
-        });
-        met.sort_unstable();
         let mut passed = 1.0;
         // The optical depth is the sum of absorption times where a ray leaves less where it enters.
         let mut depth = Rgb::BLACK;
@@ -538,7 +579,21 @@ impl World {
                 }
             }
         };
-        met.into_iter().for_each(&mut pass);
+        // In the order of their numbers, so that sums do not depend on the tree.
+        match &self.few {
+            Some(few) => few.passing.candidates([*ray].into_iter()).for_each(&mut pass),
+            None => {
+                let mut met = Vec::new();
+                self.passing.walk(ray, |thing| {
+                    if matches!(self.role(thing), Role::Surface { .. }) {
+                        met.push(thing);
+                    }
+                    ray.t_max
+                });
+                met.sort_unstable();
+                met.into_iter().for_each(&mut pass);
+            }
+        }
         if ray.t_max < f64::INFINITY {
             depth += open.map(|v| v.max(0.0)) * ray.t_max;
         }
@@ -547,8 +602,14 @@ impl World {
             passed *= share;
             depth = depth.map(|v| v.max(0.0)) + more;
         }
-        depth.map(|v| (-v.max(0.0)).exp()) * passed
+        transmitted(depth.map(|v| v.max(0.0))) * passed
     }
+}
+
+/// What an optical depth leaves of light.
+#[inline]
+pub(crate) fn transmitted(depth: Rgb) -> Rgb {
+    if depth.is_black() { Rgb::WHITE } else { depth.map(|v| (-v).exp()) }
 }
 
 /// For each of `count` values the index of the first one that has it; 0 if none has.

@@ -149,17 +149,9 @@ impl<'a> Vertex<'a> {
                 }
             }
             _ => {
-                let (shading, color) = match optics.color.plain() {
-                    Some(color) if !world.has_relief(finish) => (normal, color),
-                    _ => {
-                        let surface = world.interaction(ray, contact);
-                        let spot = world.spot(contact, &surface, outgoing);
-                        let outwards =
-                            world.shading_normal(finish, contact, &surface, &spot, outgoing);
-                        let shading = if entering { outwards } else { -outwards };
-                        (shading, optics.color.at(&spot))
-                    }
-                };
+                let (color, outwards) =
+                    world.seen(ray, contact, finish, &optics.color, surface.normal);
+                let shading = if entering { outwards } else { -outwards };
                 let (frame, wo) = facing(shading, outgoing);
                 let facing = optics.opaque.facing(wo, color);
                 Model::Opaque { frame, facing, is_bent: shading != normal }

@@ -31,6 +31,13 @@ struct Four {
     dual: [[Lanes; 3]; 2],
 }
 
+impl Default for Flats {
+    /// None.
+    fn default() -> Self {
+        Self { level: Level::new(), fours: Vec::new(), things: Vec::new() }
+    }
+}
+
 impl Flats {
     /// Those of some things that are rectangles or planes, and the numbers of the others.
     pub(crate) fn of<'a>(shapes: impl Iterator<Item = (u32, &'a Shape)>) -> (Self, Vec<u32>) {

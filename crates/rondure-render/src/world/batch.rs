@@ -22,66 +22,59 @@ impl World {
     /// What [`closest`](Self::closest) finds for each of some rays that are alike, apart by rounding, which depends on all of them.
     pub(crate) fn closest_of_many(&self, rays: &[Ray], batch: &mut Batch) {
         batch.begin(rays);
-        match &self.few {
-            Some(few) => self.closest_of_few(few, rays, batch),
-            None if self.closest_in_trees(rays, batch) => {}
-            None => {
-                batch.contacts.extend(rays.iter().map(|ray| self.closest(ray)));
-                return;
+        let mut columns = core::mem::take(&mut batch.columns);
+        let is_answered = match &self.few {
+            Some(few) => {
+                self.closest_of_few(&few.all, &columns, batch);
+                true
             }
-        }
+            None => self.closest_in_trees(&mut columns, batch),
+        };
+        batch.columns = columns;
         let Batch { contacts, ends, best, .. } = batch;
-        let shortened = rays.iter().zip(ends).map(|(ray, end)| Ray { t_max: *end, ..*ray });
-        contacts.extend(best.iter().zip(shortened).map(|(best, ray)| self.or_body(*best, ray)));
+        if is_answered {
+            let shortened = rays.iter().zip(ends).map(|(ray, end)| Ray { t_max: *end, ..*ray });
+            contacts.extend(best.iter().zip(shortened).map(|(best, ray)| self.or_body(*best, ray)));
+        } else {
+            contacts.extend(rays.iter().map(|ray| self.closest(ray)));
+        }
     }
 
     /// The nearest of few things.
-    fn closest_of_few(&self, few: &Few, rays: &[Ray], batch: &mut Batch) {
-        few.flats().closest_of_many(&batch.columns.rays(), &mut batch.flat);
+    fn closest_of_few(&self, few: &Few, columns: &RayColumns, batch: &mut Batch) {
+        let rays = columns.rays();
+        few.flats().closest_of_many(&rays, &mut batch.flat);
         for i in 0..rays.len() {
             let hit = |(thing, t)| (thing, Hit { t, piece: 0, s: 0.0 });
             batch.consider(i, batch.flat[i].map(hit));
         }
-        for &thing in few.simple() {
-            self.meet(thing, rays, batch);
-        }
-        for thing in few.turned() {
-            self.meet(thing, rays, batch);
+        let ends = &batch.ends;
+        let candidates =
+            few.candidates((0..rays.len()).map(|i| Ray { t_max: ends[i], ..rays.get(i) }));
+        for thing in candidates {
+            self.meet(thing, columns, batch);
         }
     }
 
     /// The nearest of many things; false if the rays are not alike enough to go through their trees together.
-    fn closest_in_trees(&self, rays: &[Ray], batch: &mut Batch) -> bool {
-        let columns = core::mem::take(&mut batch.columns);
-        let alike = [&self.blocking, &self.passing].into_iter().all(|tree| {
+    fn closest_in_trees(&self, columns: &mut RayColumns, batch: &mut Batch) -> bool {
+        [&self.blocking, &self.passing].into_iter().all(|tree| {
+            for (i, end) in batch.ends.iter().enumerate() {
+                columns.set_end(i, *end);
+            }
             tree.walk_together(&columns.rays(), |thing| {
-                self.meet_columns(thing, rays, &columns, batch);
+                self.meet(thing, columns, batch);
                 batch.ends.iter().fold(f64::NEG_INFINITY, |latest, end| latest.max(*end))
             })
-        });
-        batch.columns = columns;
-        alike
+        })
     }
 
     /// Takes account of where rays meet a thing.
-    fn meet(&self, thing: u32, rays: &[Ray], batch: &mut Batch) {
-        let columns = core::mem::take(&mut batch.columns);
-        self.meet_columns(thing, rays, &columns, batch);
-        batch.columns = columns;
-    }
-
-    fn meet_columns(&self, thing: u32, rays: &[Ray], columns: &RayColumns, batch: &mut Batch) {
-        if (thing as usize) < self.things.turned.len() {
-            let turned = &self.things.turned;
-            turned.closest_of_many(thing, &columns.rays().with_ends(&batch.ends), &mut batch.hits);
-            for i in 0..rays.len() {
-                batch.consider(i, batch.hits.get(i).map(|hit| (thing, hit)));
-            }
-            return;
-        }
-        for (i, ray) in rays.iter().enumerate() {
-            let hit = self.things.closest(thing, &Ray { t_max: batch.ends[i], ..*ray });
-            batch.consider(i, hit.map(|hit| (thing, hit)));
+    fn meet(&self, thing: u32, columns: &RayColumns, batch: &mut Batch) {
+        let rays = columns.rays().with_ends(&batch.ends);
+        self.things.closest_of_many(thing, &rays, &mut batch.hits);
+        for i in 0..batch.ends.len() {
+            batch.consider(i, batch.hits.get(i).map(|hit| (thing, hit)));
         }
     }
 }
@@ -102,17 +95,16 @@ impl Batch {
     #[inline]
     fn consider(&mut self, ray: usize, met: Option<(u32, Hit)>) {
         let Some((thing, hit)) = met else { return };
-        self.best[ray] = nearer(self.best[ray], thing, Some(hit));
+        self.best[ray] = nearer(self.best[ray], thing, hit);
         self.ends[ray] = hit.t;
     }
 }
 
 /// The nearer of two hits; at the same place that on the thing of the smaller number.
 #[inline]
-fn nearer(best: Option<(u32, Hit)>, thing: u32, hit: Option<Hit>) -> Option<(u32, Hit)> {
-    match (best, hit) {
-        (Some((other, at)), Some(hit)) if hit.t > at.t || (hit.t == at.t && thing > other) => best,
-        (_, Some(hit)) => Some((thing, hit)),
-        (_, None) => best,
+fn nearer(best: Option<(u32, Hit)>, thing: u32, hit: Hit) -> Option<(u32, Hit)> {
+    match best {
+        Some((other, at)) if hit.t > at.t || (hit.t == at.t && thing > other) => best,
+        _ => Some((thing, hit)),
     }
 }
