@@ -108,3 +108,52 @@ fn nearer(best: Option<(u32, Hit)>, thing: u32, hit: Hit) -> Option<(u32, Hit)> 
         _ => Some((thing, hit)),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use rondure::Vec3;
+
+    use super::*;
+    use crate::sampler::{Key, Sample};
+
+    /// In lists, in trees, and with bodies, through glass and beside it.
+    #[test]
+    fn rays_together_meet_what_each_of_them_meets() {
+        let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
+        for name in ["chess", "still-life", "section", "pottery"] {
+            let file = scenes.join(name).with_extension("toml");
+            let (scene, _) = rondure_scene::read_scene(&file).unwrap();
+            let world = World::new(&scene).unwrap();
+            let (eye, target) = (scene.camera.eye, scene.camera.look_at);
+            let away = (target - eye).length();
+            let (mut batch, mut hits) = (Batch::default(), 0);
+            for i in 0..600 {
+                let sample = Sample::new(7, i, 0, 0);
+                let jitter = |key: Key, k: u32| {
+                    let (a, b) = sample.pair(key.child(k));
+                    let (c, _) = sample.pair(key.child(100 + k));
+                    Vec3::new(a, b, c) - Vec3::splat(0.5)
+                };
+                let aim = target + jitter(Key::ROOT, 0) * (0.8 * away);
+                // As the pixels of large pictures are apart, or of tiny ones.
+                let apart = [1e-9, 3e-3, 0.02, 0.5][i as usize % 4] * away;
+                let rays: Vec<_> = (1..=16)
+                    .map(|k| Ray::new(eye, (aim + jitter(Key::LENS, k) * apart - eye).normalized()))
+                    .collect();
+                world.closest_of_many(&rays, &mut batch);
+                assert_eq!(batch.contacts.len(), rays.len());
+                for (ray, met) in rays.iter().zip(&batch.contacts) {
+                    let alone = world.closest(ray);
+                    let place =
+                        |contact: &Contact| (contact.thing, (contact.t / away * 1e9).round());
+                    let [met, alone] = [met, &alone].map(|contact| contact.as_ref().map(place));
+                    assert_eq!(met, alone, "{name}: {ray:?}");
+                    hits += u32::from(met.is_some());
+                }
+            }
+            assert!(hits > 3000, "{name}: {hits}");
+        }
+    }
+}
