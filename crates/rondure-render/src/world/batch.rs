@@ -33,10 +33,15 @@ impl World {
             columns.set_end(i, flat.map_or(rays[i].t_max, |(_, t)| t));
         }
         let asked = (0..rays.len()).map(|i| columns.rays().get(i));
-        for thing in few.all.candidates(asked) {
-            self.things.closest_of_many(thing, &columns.rays(), hits);
+        let met = asked.fold(0, |met, ray| met | few.all.met(&ray));
+        for thing in few.all.things(met) {
+            let together = self.things.closest_of_many(thing, &columns.rays(), hits);
             for (i, nearest) in best.iter_mut().enumerate() {
-                if let Some(hit) = hits.get(i) {
+                let hit = match together {
+                    true => hits.get(i),
+                    false => self.things.closest(thing, &columns.rays().get(i)),
+                };
+                if let Some(hit) = hit {
                     *nearest = nearer(*nearest, thing, hit);
                     columns.set_end(i, hit.t);
                 }
