@@ -69,29 +69,20 @@ impl Coat {
         a + (b - a) * (place - i as f64)
     }
 
-    /// The factor on the reflected light of the base for a light at `cos_i` seen at `cos_o`.
+    /// The coat as it is seen from a direction.
     #[inline]
-    pub(crate) fn base(&self, cos_o: f64, cos_i: f64) -> f64 {
+    pub(crate) fn facing(&self, wo: Vec3) -> Facing<'_> {
         // A coat that reflects everything leaves nothing for the base.
         let through = 1.0 - self.mean_albedo;
-        if through > 0.0 {
-            (1.0 - self.albedo(cos_o)) * (1.0 - self.albedo(cos_i)) / through
-        } else {
-            0.0
-        }
+        let base = if through > 0.0 { (1.0 - self.albedo(wo.z)) / through } else { 0.0 };
+        let alpha = self.lobe.map_or(0.0, |lobe| lobe.alpha).max(HIGHLIGHT_ALPHA);
+        let highlight = Ggx { alpha };
+        Facing { coat: self, wo, base, highlight, root_o: highlight.root(wo.z) }
     }
 
     #[inline]
     fn fresnel(&self, cos: f64) -> f64 {
         self.strength * fresnel::from_air(cos, INDEX)
-    }
-
-    /// The highlight of a light without a body: the value of the lobe times the cosine.
-    #[inline]
-    pub(crate) fn highlight(&self, wo: Vec3, wi: Vec3) -> f64 {
-        let alpha = self.lobe.map_or(0.0, |lobe| lobe.alpha).max(HIGHLIGHT_ALPHA);
-        let (value, cos) = Ggx { alpha }.reflect(wo, wi);
-        value * self.fresnel(cos)
     }
 
     /// The highlight of a light with a body, found with the density `light_pdf`: the value of the
@@ -120,6 +111,31 @@ impl Coat {
     /// Whether the reflection needs random numbers.
     pub(crate) fn is_rough(&self) -> bool {
         self.lobe.is_some()
+    }
+}
+
+/// A coat seen from a direction.
+pub(crate) struct Facing<'a> {
+    coat: &'a Coat,
+    wo: Vec3,
+    /// What the coat lets through towards there.
+    base: f64,
+    highlight: Ggx,
+    root_o: f64,
+}
+
+impl Facing<'_> {
+    /// The factor on the reflected light of the base for a light at the cosine `cos_i`.
+    #[inline]
+    pub(crate) fn base(&self, cos_i: f64) -> f64 {
+        self.base * (1.0 - self.coat.albedo(cos_i))
+    }
+
+    /// The highlight of a light without a body: the value of the lobe times the cosine.
+    #[inline]
+    pub(crate) fn highlight(&self, wi: Vec3) -> f64 {
+        let found = self.highlight.reflect_and_pdf(self.wo, wi, self.root_o);
+        found.value * self.coat.fresnel(found.cos)
     }
 }
 
@@ -181,7 +197,7 @@ mod tests {
                 let n = 128;
                 let sum: f64 = grid(n)
                     .map(|u| {
-                        let base = coat.base(cos, warp::cosine_hemisphere(u).z);
+                        let base = coat.facing(wo).base(warp::cosine_hemisphere(u).z);
                         base + coat.sample(wo, u).map_or(0.0, |s| s.weight)
                     })
                     .sum();
@@ -196,8 +212,9 @@ mod tests {
         let coat = Coat::new(1.0, 0.5);
         let wo = towards(0.8);
         let n = 512;
-        let by_light = grid(n).map(|u| TAU * coat.highlight(wo, warp::cap(u, 1.0))).sum::<f64>()
-            / f64::from(n * n);
+        let by_light =
+            grid(n).map(|u| TAU * coat.facing(wo).highlight(warp::cap(u, 1.0))).sum::<f64>()
+                / f64::from(n * n);
         let by_lobe = grid(n).filter_map(|u| coat.sample(wo, u)).map(|s| s.weight).sum::<f64>()
             / f64::from(n * n);
         assert!((by_light - by_lobe).abs() < 1e-3 * by_lobe, "{by_light} {by_lobe}");

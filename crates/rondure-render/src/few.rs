@@ -49,26 +49,20 @@ struct Ball {
 }
 
 impl Few {
-    /// Those of all things that are `listed`; `None` if there are too many things.
-    pub(crate) fn new(things: &Things, listed: impl Fn(u32) -> bool) -> Option<Self> {
+    /// All things; `None` if there are too many. Rectangles and planes stand in boxes like others, unless they are `flat`.
+    pub(crate) fn new(things: &Things, flat: impl Fn(u32) -> bool) -> Option<Self> {
         if things.len() > MOST {
             return None;
         }
         let (turned, all) = (things.turned.len() as u32, things.len() as u32);
-        let simple = (turned..all).zip(&things.simple).filter(|(thing, _)| listed(*thing));
-        let (flats, others) = Flats::of(simple);
-        let turned = (0..turned).filter(|thing| listed(*thing));
-        let balls = turned.clone().take(ONE_BY_ONE).map(|thing| Ball::new(&things.bounds(thing)));
+        let (flats, mut others) =
+            Flats::of((turned..all).zip(&things.simple).filter(|(thing, _)| flat(*thing)));
+        others.extend((turned..all).filter(|thing| !flat(*thing)));
+        others.sort_unstable();
+        let balls = (0..turned).take(ONE_BY_ONE).map(|thing| Ball::new(&things.bounds(thing)));
         let balls = balls.collect();
-        let boxes = Self::of_boxes(turned.chain(others), |thing| things.bounds(thing));
+        let boxes = Self::of_boxes((0..turned).chain(others), |thing| things.bounds(thing));
         Some(Self { flats, balls, ..boxes })
-    }
-
-    /// The same, but flat shapes are in boxes as well, and nothing is left out of those.
-    pub(crate) fn boxed(things: &Things, listed: impl Fn(u32) -> bool) -> Option<Self> {
-        let all = 0..things.len() as u32;
-        let listed = all.filter(|thing| listed(*thing));
-        (things.len() <= MOST).then(|| Self::of_boxes(listed, |thing| things.bounds(thing)))
     }
 
     fn of_boxes(things: impl Iterator<Item = u32>, bounds: impl Fn(u32) -> Bounds) -> Self {
@@ -110,7 +104,7 @@ impl Few {
             return;
         }
         let mut enter = [0.0; MOST];
-        let mut left = self.meet(ray, &mut enter);
+        let mut left = dispatch!(self.level, simd => meet(simd, &self.boxes, ray, &mut enter));
         while left != 0 {
             let mut places = bits(left);
             let mut first = places.next().unwrap_or_default();
@@ -125,35 +119,41 @@ impl Few {
         }
     }
 
-    /// What of that any of some rays may meet in its range, in the order in which things are listed: turned ones by their numbers, then others.
-    #[inline]
-    pub(crate) fn candidates(&self, rays: impl Iterator<Item = Ray>) -> Candidates<'_> {
-        let mut enter = [0.0; MOST];
-        let boxes = rays.fold(0, |boxes, ray| boxes | self.meet(&ray, &mut enter));
-        Candidates { few: self, boxes }
-    }
-
-    /// Which boxes a ray meets, as bits, and where it enters them.
+    /// Whether anything else that the ray may meet in its range is what it `is` asked for.
     #[inline(always)]
-    fn meet(&self, ray: &Ray, enter: &mut [f64; MOST]) -> u32 {
-        dispatch!(self.level, simd => meet(simd, &self.boxes, ray, enter))
+    pub(crate) fn any(&self, ray: &Ray, mut is: impl FnMut(u32) -> bool) -> bool {
+        if self.things.len() > ONE_BY_ONE {
+            return self.things(self.met(ray)).any(is);
+        }
+        let mut found = false;
+        self.walk(ray, |thing| {
+            found = is(thing);
+            if found { f64::NEG_INFINITY } else { ray.t_max }
+        });
+        found
     }
-}
 
-/// Things that rays may meet.
-pub(crate) struct Candidates<'a> {
-    few: &'a Few,
-    boxes: u32,
-}
+    /// Which boxes the ray meets in its range, as bits.
+    #[inline(always)]
+    pub(crate) fn met(&self, ray: &Ray) -> u32 {
+        if self.things.len() > ONE_BY_ONE {
+            return dispatch!(self.level, simd => meet(simd, &self.boxes, ray, &mut [0.0; MOST]));
+        }
+        let of_others = (1 << self.things.len()) - (1 << self.balls.len());
+        let met = |(place, ball): (usize, &Ball)| u32::from(!ball.misses(ray, ray.t_max)) << place;
+        self.balls.iter().enumerate().map(met).fold(of_others, |all, one| all | one)
+    }
 
-impl Iterator for Candidates<'_> {
-    type Item = u32;
+    /// The things in the boxes of these bits: turned ones by their numbers, then others by theirs.
+    #[inline(always)]
+    pub(crate) fn things(&self, boxes: u32) -> impl Iterator<Item = u32> + '_ {
+        bits(boxes).map(|place| self.things[place])
+    }
 
-    #[inline]
-    fn next(&mut self) -> Option<u32> {
-        let place = bits(self.boxes).next()?;
-        self.boxes &= self.boxes - 1;
-        Some(self.few.things[place])
+    /// The bits of the boxes of some things.
+    pub(crate) fn boxes(&self, of: impl Fn(u32) -> bool) -> u32 {
+        let boxes = self.things.iter().enumerate();
+        boxes.fold(0, |boxes, (place, &thing)| boxes | u32::from(of(thing)) << place)
     }
 }
 
@@ -269,10 +269,7 @@ mod tests {
         let back = Ray::new(Vec3::splat(25.0), Vec3::splat(-1.0));
         assert_eq!(visited(&few, &back), (0..11).rev().collect::<Vec<_>>());
         assert_eq!(visited(&few, &along.with_range(7.5, 12.0)), [1, 2, 3]);
-        assert_eq!(
-            few.candidates([back].into_iter()).collect::<Vec<_>>(),
-            (0..11).collect::<Vec<_>>()
-        );
+        assert_eq!(few.things(few.met(&back)).collect::<Vec<_>>(), (0..11).collect::<Vec<_>>());
         // From inside, and along an edge.
         let inside = Ray::new(Vec3::new(4.5, 4.5, 4.5), Vec3::X);
         assert_eq!(visited(&few, &inside), [2]);

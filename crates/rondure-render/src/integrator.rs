@@ -190,20 +190,21 @@ impl Tracer<'_> {
                 let frame = Frame::new(shading);
                 let mut local = frame.to_local(outgoing);
                 local.z = local.z.max(f64::MIN_POSITIVE);
+                let facing = coat.facing(local);
                 let mut sum = self.direct(&place, |incoming| {
                     let wi = frame.to_local(incoming.direction);
                     if !(wi.z > 0.0) {
                         return (Rgb::BLACK, Rgb::BLACK);
                     }
-                    let lambert = coat.base(local.z, wi.z) * wi.z * core::f64::consts::FRAC_1_PI;
+                    let lambert = facing.base(wi.z) * wi.z * core::f64::consts::FRAC_1_PI;
                     let (bright, shared) = if incoming.pdf == f64::INFINITY {
-                        (coat.highlight(local, wi), 0.0)
+                        (facing.highlight(wi), 0.0)
                     } else {
                         (0.0, coat.shared_highlight(local, wi, incoming.pdf))
                     };
                     (color * lambert + Rgb::splat(bright), Rgb::splat(shared))
                 });
-                sum += self.sky_light(&place, |cos| color * coat.base(local.z, cos));
+                sum += self.sky_light(&place, |cos| color * facing.base(cos));
                 let u = if coat.is_rough() {
                     self.sample.pair(path.key.child(LOBE))
                 } else {

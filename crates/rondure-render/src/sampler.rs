@@ -138,7 +138,9 @@ impl Sample {
     /// A number between 0 and 1, neither included: the first of the [`pair`](Self::pair).
     #[inline]
     pub(crate) fn single(&self, key: Key) -> f64 {
-        self.pair(key).0
+        let seed = mix(self.seed, key.0);
+        let index = index(self.reversed_index, seed) ^ self.shift(seed)[0];
+        to_unit(laine_karras(index, mix(seed, 1)).reverse_bits())
     }
 
     /// The first of the aligned [`GROUP`] of samples of the pixel that this one is of, and its place there.

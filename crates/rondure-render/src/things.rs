@@ -53,12 +53,11 @@ impl Things {
         }
     }
 
-    /// The same for many rays.
-    pub(crate) fn closest_of_many(&self, thing: u32, rays: &Rays<'_>, hits: &mut Hits) {
-        match self.at(thing) {
-            Thing::Turned(i) => self.turned.closest_of_many(i, rays, hits),
-            Thing::Simple(shape) => hits.fill((0..rays.len()).map(|i| shape.closest(&rays.get(i)))),
-        }
+    /// The same for many rays, if the thing is turned; says whether it is.
+    pub(crate) fn closest_of_many(&self, thing: u32, rays: &Rays<'_>, hits: &mut Hits) -> bool {
+        let Thing::Turned(i) = self.at(thing) else { return false };
+        self.turned.closest_of_many(i, rays, hits);
+        true
     }
 
     #[inline]

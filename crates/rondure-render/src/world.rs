@@ -4,6 +4,7 @@
 //! which may be of several materials, have a third.
 
 mod batch;
+mod shadow;
 
 use std::collections::HashMap;
 
@@ -11,14 +12,13 @@ use rondure::{Bounds, Bvh, Footing, Hit, Instance, Interaction, Ray, Vec3};
 
 use rondure_scene::{Integrator, Light, Scene, Shape as Described};
 
-pub(crate) use self::batch::Batch;
+pub(crate) use self::{batch::Batch, shadow::transmitted};
 use crate::{
     RenderError,
     bodies::{Bodies, Place},
     color::Rgb,
     few::Few,
     finish::Finish,
-    fresnel,
     gather::{Gathered, materials},
     light::{Heaven, Lamp, Shining},
     optics::Optics,
@@ -55,12 +55,15 @@ enum On {
     Body(Place),
 }
 
-/// Lists of few things: of all, of those that block light, and of surfaces that let it pass.
+/// Few things in lists.
 #[derive(Clone, Debug)]
 struct Lists {
     all: Few,
-    blocking: Few,
-    passing: Few,
+    /// For rays towards lamps: what is clear stands in boxes.
+    shadows: Few,
+    /// There, the boxes of what blocks light, and of surfaces that let it pass.
+    blocking: u32,
+    passing: u32,
 }
 
 /// Everything that rays ask about a scene.
@@ -160,9 +163,10 @@ impl World {
         };
         let blocks = |thing| is_clear(thing) == Some(false);
         let few = Few::new(&things, |_| true).and_then(|all| {
-            let blocking = Few::new(&things, blocks)?;
-            let passing = Few::boxed(&things, |thing| is_clear(thing) == Some(true))?;
-            Some(Lists { all, blocking, passing })
+            let shadows = Few::new(&things, blocks)?;
+            let blocking = shadows.boxes(blocks);
+            let passing = shadows.boxes(|thing| is_clear(thing) == Some(true));
+            Some(Lists { all, shadows, blocking, passing })
         });
         // What has an empty box is never met.
         let tree = |of_blocking: bool| {
@@ -492,124 +496,6 @@ impl World {
             _ => thing,
         }
     }
-
-    /// Whether anything at all stands in the ray's range, lamps and clear glass among them.
-    #[inline]
-    pub(crate) fn is_occluded(&self, ray: &Ray) -> bool {
-        let found = match &self.few {
-            Some(few) => self.is_any(&few.all, ray),
-            None => {
-                [&self.blocking, &self.passing].into_iter().any(|tree| self.is_any_of(tree, ray))
-            }
-        };
-        found || self.bodies.as_ref().is_some_and(|bodies| bodies.any(ray))
-    }
-
-    /// Whether the ray meets any thing of a list.
-    #[inline]
-    fn is_any(&self, few: &Few, ray: &Ray) -> bool {
-        if few.flats().any(ray) {
-            return true;
-        }
-        let mut found = false;
-        few.walk(ray, |thing| {
-            found = self.things.any(thing, ray);
-            if found { f64::NEG_INFINITY } else { ray.t_max }
-        });
-        found
-    }
-
-    /// Whether it meets any of a tree.
-    #[inline]
-    fn is_any_of(&self, tree: &Bvh, ray: &Ray) -> bool {
-        let mut found = false;
-        tree.walk(ray, |thing| {
-            found = self.things.any(thing, ray);
-            if found { f64::NEG_INFINITY } else { ray.t_max }
-        });
-        found
-    }
-
-    /// Whether something that is not clear stands in the ray's range. Lamps never do.
-    #[inline]
-    fn is_blocked(&self, ray: &Ray) -> bool {
-        let blocked = match &self.few {
-            Some(few) => self.is_any(&few.blocking, ray),
-            None => self.is_any_of(&self.blocking, ray),
-        };
-        blocked || self.bodies.as_ref().is_some_and(|b| b.blocks(ray, &self.finishes))
-    }
-
-    /// The share of the light that passes along the ray's range: none if something opaque is in the
-    /// way; clear glass is passed straight, without refraction, and takes what its two sides
-    /// reflect and what its colour absorbs. The ray's direction is of unit length.
-    #[inline]
-    pub(crate) fn transmittance(&self, ray: &Ray) -> Rgb {
-        if self.is_blocked(ray) {
-            return Rgb::BLACK;
-        }
-        if self.has_glass { self.clear_transmittance(ray) } else { Rgb::WHITE }
-    }
-
-    /// All surfaces of glass count alike, in any order: no matter how bodies overlap.
-    fn clear_transmittance(&self, ray: &Ray) -> Rgb {
-        let mut passed = 1.0;
-        // The optical depth is the sum of absorption times where a ray leaves less where it enters.
-        let mut depth = Rgb::BLACK;
-        let mut open = Rgb::BLACK;
-        let mut hits = Vec::new();
-        let mut pass = |thing: u32| {
-            self.things.all(thing, ray, &mut hits);
-            if hits.is_empty() {
-                return;
-            }
-            let Role::Surface { finish, solid } = self.role(thing) else { return };
-            let (absorption, ior) = self.glass(finish);
-            for hit in &hits {
-                let cos = self.things.normal(thing, ray, hit).dot(ray.direction);
-                // Seen from the air on both sides: straight through a pane, that is the truth.
-                let reflectance = fresnel::from_air(cos.abs().min(1.0), ior);
-                if solid {
-                    passed *= 1.0 - reflectance;
-                    let sign = 1.0_f64.copysign(cos);
-                    depth += absorption * (sign * hit.t);
-                    open += absorption * -sign;
-                } else {
-                    passed *= 1.0 - fresnel::sheet(reflectance);
-                }
-            }
-        };
-        // In the order of their numbers, so that sums do not depend on the tree.
-        match &self.few {
-            Some(few) => few.passing.candidates([*ray].into_iter()).for_each(&mut pass),
-            None => {
-                let mut met = Vec::new();
-                self.passing.walk(ray, |thing| {
-                    if matches!(self.role(thing), Role::Surface { .. }) {
-                        met.push(thing);
-                    }
-                    ray.t_max
-                });
-                met.sort_unstable();
-                met.into_iter().for_each(&mut pass);
-            }
-        }
-        if ray.t_max < f64::INFINITY {
-            depth += open.map(|v| v.max(0.0)) * ray.t_max;
-        }
-        if let Some(bodies) = &self.bodies {
-            let (share, more) = bodies.clear(ray, &self.finishes);
-            passed *= share;
-            depth = depth.map(|v| v.max(0.0)) + more;
-        }
-        transmitted(depth.map(|v| v.max(0.0))) * passed
-    }
-}
-
-/// What an optical depth leaves of light.
-#[inline]
-pub(crate) fn transmitted(depth: Rgb) -> Rgb {
-    if depth.is_black() { Rgb::WHITE } else { depth.map(|v| (-v).exp()) }
 }
 
 /// For each of `count` values the index of the first one that has it; 0 if none has.

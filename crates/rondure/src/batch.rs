@@ -184,14 +184,6 @@ impl Hits {
         (hit.t < f64::INFINITY).then_some(hit)
     }
 
-    /// The hits of rays that were found otherwise, in the place of all there were.
-    pub fn fill(&mut self, hits: impl ExactSizeIterator<Item = Option<Hit>>) {
-        self.clear(hits.len());
-        for (i, hit) in hits.enumerate() {
-            self.set(i, hit);
-        }
-    }
-
     pub(crate) fn clear(&mut self, len: usize) {
         self.t.clear();
         self.t.resize(len, f64::INFINITY);

@@ -49,9 +49,9 @@ impl World {
             batch.consider(i, batch.flat[i].map(hit));
         }
         let ends = &batch.ends;
-        let candidates =
-            few.candidates((0..rays.len()).map(|i| Ray { t_max: ends[i], ..rays.get(i) }));
-        for thing in candidates {
+        let asked = (0..rays.len()).map(|i| Ray { t_max: ends[i], ..rays.get(i) });
+        let met = asked.fold(0, |met, ray| met | few.met(&ray));
+        for thing in few.things(met) {
             self.meet(thing, columns, batch);
         }
     }
@@ -72,9 +72,15 @@ impl World {
     /// Takes account of where rays meet a thing.
     fn meet(&self, thing: u32, columns: &RayColumns, batch: &mut Batch) {
         let rays = columns.rays().with_ends(&batch.ends);
-        self.things.closest_of_many(thing, &rays, &mut batch.hits);
+        let together = self.things.closest_of_many(thing, &rays, &mut batch.hits);
         for i in 0..batch.ends.len() {
-            batch.consider(i, batch.hits.get(i).map(|hit| (thing, hit)));
+            let hit = if together {
+                batch.hits.get(i)
+            } else {
+                let ray = columns.rays().get(i);
+                self.things.closest(thing, &Ray { t_max: batch.ends[i], ..ray })
+            };
+            batch.consider(i, hit.map(|hit| (thing, hit)));
         }
     }
 }
