@@ -144,7 +144,7 @@ impl Bvh {
     /// visits the items whose boxes at least one of them may meet. `visit` returns up to which t the search goes on for any of them.
     ///
     /// Returns false, and visits none, if the rays are not alike enough for that: if they are farther apart anywhere near the items
-    /// than a part of what these are wide, on average. One that is no ray is as good as alike.
+    /// than a part of what these are wide, on average.
     pub fn walk_together(&self, rays: &Rays<'_>, mut visit: impl FnMut(u32) -> f64) -> bool {
         if self.is_empty() || rays.is_empty() {
             return true;

@@ -198,19 +198,7 @@ impl Space {
         }
         // The move went to the nearest point only up to rounding; this much farther is enough.
         let reach = (radius2 * inverse2).sqrt() * (1.0 + PAD);
-        let local = LocalRay {
-            reciprocal: [0.0; 3],
-            shifted: [0.0; 3],
-            falling: [false; 3],
-            begin: 0.0,
-            end: 0.0,
-            scale: self.scale,
-            // A power of two between 2^-1022 and 2^1022, as its inverse is.
-            inverse_unit: 1.0 / unit,
-            shift,
-            start: 0.0,
-            reach,
-        };
+        let local = LocalRay::new(self.scale, unit, shift, reach);
         let start = local.bound(ray.t_min, -1.0).max(-reach);
         let end = local.bound(ray.t_max, 1.0).min(reach);
         if start > end {
@@ -223,18 +211,7 @@ impl Space {
     /// A ray that begins near the boxes, at t = 0.
     #[inline(always)]
     fn enter_near(&self, ray: &Ray, origin: Vec3, direction: Vec3, unit: f64) -> Option<LocalRay> {
-        let local = LocalRay {
-            reciprocal: [0.0; 3],
-            shifted: [0.0; 3],
-            falling: [false; 3],
-            begin: 0.0,
-            end: 0.0,
-            scale: self.scale,
-            inverse_unit: 1.0 / unit,
-            shift: 0.0,
-            start: 0.0,
-            reach: BEYOND,
-        };
+        let local = LocalRay::new(self.scale, unit, 0.0, BEYOND);
         let begin = local.bound(ray.t_min, -1.0).max(0.0);
         let end = local.bound(ray.t_max, 1.0).min(BEYOND);
         // False where one is not a number.
@@ -247,6 +224,25 @@ impl Space {
 }
 
 impl LocalRay {
+    /// A ray that as yet begins nowhere and goes nowhere.
+    #[inline(always)]
+    fn new(scale: f64, unit: f64, shift: f64, reach: f64) -> Self {
+        // A power of two between 2^-1022 and 2^1022, as its inverse is.
+        let inverse_unit = 1.0 / unit;
+        Self {
+            reciprocal: [0.0; 3],
+            shifted: [0.0; 3],
+            falling: [false; 3],
+            begin: 0.0,
+            end: 0.0,
+            scale,
+            inverse_unit,
+            shift,
+            start: 0.0,
+            reach,
+        }
+    }
+
     /// The same from an origin in a direction.
     #[inline(always)]
     fn facing(self, origin: Vec3, direction: Vec3) -> Self {
