@@ -63,12 +63,12 @@ fn is_same(instance: &Instance, ray: &Ray, found: &Hit, expected: &Hit) -> bool 
 }
 
 /// A surface that stands where it was built, or in the world.
-enum Target {
-    Unplaced(Box<Surface>),
-    Placed(Instance),
+enum Target<'a> {
+    Unplaced(&'a Surface),
+    Placed(&'a Instance),
 }
 
-impl Target {
+impl Target<'_> {
     fn ask(&self, rays: &RayColumns, closest: &mut Hits, any: &mut [bool], all: &mut AllHits) {
         let rays = rays.rays();
         match self {
@@ -90,7 +90,7 @@ fn check(profile: &Profile, options: &EngineOptions, count: usize) -> Result<usi
     let surface = Surface::with_engine(profile, options);
     let rays = rays(&surface, count);
     let alone = place(&Arc::new(surface.clone()), Affine::IDENTITY)?;
-    Ok(compare(&Target::Unplaced(Box::new(surface)), &alone, &rays))
+    Ok(compare(&Target::Unplaced(&surface), &alone, &rays))
 }
 
 fn place(surface: &Arc<Surface>, placement: Affine) -> Result<Instance, String> {
@@ -99,7 +99,7 @@ fn place(surface: &Arc<Surface>, placement: Affine) -> Result<Instance, String> 
 }
 
 /// Batches at a target, against single rays at the same surface in the same place; returns how many hits there are.
-fn compare(target: &Target, alone: &Instance, rays: &[Ray]) -> usize {
+fn compare(target: &Target<'_>, alone: &Instance, rays: &[Ray]) -> usize {
     let count = rays.len();
     let columns = RayColumns::from_iter(rays);
     // What was in them before is of no matter.
@@ -204,8 +204,7 @@ fn batches_at_placed_surfaces_answer_as_single_rays_do() -> Result<(), Box<dyn E
                 ..*ray
             });
             let instance = place(&surface, placement)?;
-            let hits =
-                compare(&Target::Placed(instance.clone()), &instance, &world.collect::<Vec<_>>());
+            let hits = compare(&Target::Placed(&instance), &instance, &world.collect::<Vec<_>>());
             assert!(hits > 1000, "{name} {placement:?}: {hits}");
         }
     }
