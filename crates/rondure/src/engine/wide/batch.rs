@@ -18,6 +18,9 @@ use crate::surface::Hit;
 /// As many rays are left over before they are answered.
 const OVER: usize = 64;
 
+/// So few rays that are not alike are answered one by one: to make room for a lot takes as long.
+const FEW: usize = 32;
+
 /// What is asked about many rays: how packets, lots and single rays answer it, and where the answers go.
 trait Answers {
     /// Answers the rays of a packet, from the one numbered `start` on, or leaves them to `single`; false if they should rather go each
@@ -172,6 +175,7 @@ impl Target<'_> {
         let mut lot: Option<Box<Lot>> = None;
         let mut single = Vec::new();
         let whole = count - count % SIXTEEN;
+        let takes_lots = count > FEW && wide.takes_lots();
         for start in (0..whole).step_by(SIXTEEN) {
             if pass(simd, wide, frame, rays, start) && pass(simd, wide, frame, rays, start + WIDTH)
             {
@@ -190,7 +194,7 @@ impl Target<'_> {
                     Some(packet) => answers.together(simd, wide, &packet, start, &mut single),
                     None => false,
                 };
-                if !answered && wide.takes_lots() {
+                if !answered && takes_lots {
                     let lot = lot.get_or_insert_with(|| Box::new(Lot::new(wide.blocks.len())));
                     lot.take(simd, &near[0], start);
                     lot.take(simd, &near[1], start + WIDTH);
